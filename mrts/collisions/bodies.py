@@ -22,14 +22,8 @@ from mrts.cell.robot import Robot
 def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
     """What takes each body of the arm from where it is in base axes with every joint at zero to the world.
 
-    Body 0 is the base, body k is moved by the first k joints.
-
-    Args:
-        robot: The arm.
-        q: Joint positions, Shape (N, n_i) [rad or m].
-
-    Returns:
-        R, Shape (N, n_i + 1, 3, 3), and p, Shape (N, n_i + 1, 3) [m].
+    Body 0 is the base, body k is moved by the first k joints. Of joint positions, Shape (N, n_i), these are R, Shape
+    (N, n_i + 1, 3, 3), and p, Shape (N, n_i + 1, 3) [m].
     """
     R = np.broadcast_to(robot.T_world_base.R, (len(q), 3, 3))
     p = np.broadcast_to(robot.T_world_base.p, (len(q), 3))
@@ -66,15 +60,8 @@ def posed_urdf(
 ) -> tuple[Any, dict[str, int], str]:
     """A URDF as yourdfpy has it, every joint of the chain at zero and others where they are held; see `reading_meshes`.
 
-    Args:
-        path: The URDF.
-        base_link: First link of the chain; None takes the URDF's root.
-        joints: Moving joints of the chain, base to tip.
-        held: Positions of joints that are held still [rad or m].
-        visuals: Whether the meshes of its visuals are read.
-
-    Returns:
-        The URDF, the body of each link that stands with the base or hangs from the chain, and the base link.
+    With it come the body of each link that stands with the base (None is the URDF's root) or hangs from the chain, and
+    the base link. Meshes of visuals are read where they are wanted.
     """
     from yourdfpy import URDF  # noqa: PLC0415 (half a second, for cells that have meshes)
 

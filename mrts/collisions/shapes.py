@@ -62,10 +62,7 @@ def coal_module() -> Any:
 def link_shapes(robot: Robot, folder: Path | None, first: int) -> list[Shape]:
     """Shapes of an arm's links: of each its <collision>, else its <visual>; meshes as their convex hulls.
 
-    Args:
-        robot: The arm.
-        folder: That its URDF is relative to.
-        first: Number of its base among all bodies.
+    Its URDF is relative to a folder; `first` is the number of its base among all bodies.
     """
     if folder is None:
         rule = "it is not known where its URDF is: read its cell file, mrts.load_cell(path)."

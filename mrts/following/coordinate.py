@@ -93,14 +93,10 @@ def required_columns(cell: Cell, path: Path, columns: Sequence[str]) -> tuple[li
 
 
 def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str, str]:
-    """What a file calls the joints of a cell.
+    """Joints "robot/joint" of a cell with the columns of a file that are theirs, if any.
 
-    Args:
-        columns: "robot/joint" each; "joint" alone, or a first name that is no robot's, may stand for it where one robot
-            alone has such a joint, or where the joint is called robot_joint, as in a machine of two equal arms.
-
-    Returns:
-        Joint "robot/joint" of the cell to its column; joints without one are left out.
+    "joint" alone, or a first name that is no robot's, may stand for it where one robot alone has such a joint, or where
+    the joint is called robot_joint, as in a machine of two equal arms.
 
     Raises:
         InputError: If two columns are the same joint.

@@ -35,11 +35,9 @@ SAME_CHOICE_RATES = 1e-2
 
 @dataclass(frozen=True, repr=False, eq=False)
 class JointCourse:
-    """What a table makes of all joints between its rows.
+    """Splines of what a table makes of all joints between its rows, in the cell's order.
 
-    Attributes:
-        joints: Splines of each joint, in the cell's order.
-        closed: Whether the samples were moved from these onto the grasps.
+    `closed` says whether the samples were moved from these onto the grasps.
     """
 
     joints: tuple[JointSplines, ...]
@@ -233,22 +231,13 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
 
 
 def carried_by_first(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> CoordinatedMotion:
-    """The motion of the object that the first robot's tip carries.
-
-    Args:
-        time: Shape (N,) [s].
-        q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
-    """
+    """The motion of the object that the first robot's tip carries, with the joints', each Shape (N, m)."""
     motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0])
     return CoordinatedMotion(motion, q, dq, ddq)
 
 
 def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion) -> ObjectMotion:
-    """The motion of the object that one tip carries; its rates are not compared with its poses.
-
-    Args:
-        time: Shape (N,) [s].
-    """
+    """The motion of the object that one tip carries; its rates are not compared with its poses."""
     robot = cell.robots[index]
     rotation = tip.rotation @ robot.T_object_tip.R.T
     r = rotation @ robot.T_object_tip.p
@@ -305,11 +294,7 @@ def check_dimensions(cell: Cell, motion: ObjectMotion) -> None:
 
 
 def leaves_plane(cell: Cell, twist: Array) -> NDArray[np.bool_]:
-    """Whether the object leaves the plane of a planar cell along motions, Shape (…).
-
-    Args:
-        twist: Of the object, Shape (…, N, 6).
-    """
+    """Whether the object leaves the plane of a planar cell along motions, Shape (…), by its twist, Shape (…, N, 6)."""
     normal = np.abs(plane_normal(cell.plane or "xy"))
     out = np.concatenate([normal, 1 - normal]) > 0
     return np.asarray(np.max(np.abs(twist[..., out]), axis=(-2, -1)) > OUT_OF_PLANE)

@@ -85,11 +85,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
 
 
 def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[np.intp]) -> CoordinatedMotion:
-    """A motion with some further samples; its own stay exactly as they are.
-
-    Args:
-        chosen: Which of its samples, indices of Shape (k,).
-    """
+    """A motion with some further samples, by indices of Shape (k,); its own stay exactly as they are."""
     ours, theirs = motion.object, more.object
     order = np.argsort(np.concatenate([ours.time, theirs.time[chosen]]), kind="stable")
 
@@ -114,12 +110,7 @@ def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:
 
 
 def moved_remarks(remarks: tuple[Remark, ...], time: Array, added: Array) -> tuple[Remark, ...]:
-    """Remarks that name the same samples as before some were added.
-
-    Args:
-        time: Of its samples, Shape (N,) [s].
-        added: Of those that were added, Shape (k,) [s].
-    """
+    """Remarks that name the same samples as before some were added, by their times and those of these [s]."""
 
     def place(sample: int) -> int:
         return sample + int(np.count_nonzero(added < time[sample]))
@@ -128,17 +119,10 @@ def moved_remarks(remarks: tuple[Remark, ...], time: Array, added: Array) -> tup
 
 
 def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: Array) -> tuple[Array, Array, Array]:
-    """Joint motion between samples: velocities on cubic polynomials through those and the accelerations at the samples.
+    """Joint motion between N samples: velocities on cubic polynomials through those and the accelerations there.
 
     Positions are their integrals; by what these miss the next sample, rounding in tables, they are moved in proportion.
-
-    Args:
-        known: Times of the samples, Shape (N,).
-        joints: Positions, velocities and accelerations at the samples, each Shape (N, m).
-        at: Other times between the first and the last, Shape (k,).
-
-    Returns:
-        Positions, velocities and accelerations there, each Shape (k, m).
+    Positions, velocities and accelerations are Shape (N, m), and (k, m) at k times between the first and the last.
     """
     q, dq, ddq = joints
     start = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
@@ -152,13 +136,9 @@ def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: A
 
 
 def polynomial_weights(u: Array) -> Array:
-    """What [q'_0, h q''_0, q'_1, h q''_1] of a segment of length h weigh at places in it: in its way / h, q' and h q''.
+    """What [q'_0, h q''_0, q'_1, h q''_1] of a segment of length h weigh at places u in it, Shape (k,), in [0, 1].
 
-    Args:
-        u: Where in the segment, in [0, 1], Shape (k,).
-
-    Returns:
-        Shape (k, 3, 4).
+    Of its way / h, q' and h q'': Shape (k, 3, 4).
     """
     powers, u = np.arange(4), u[:, None]
     raised = u**powers
@@ -177,12 +157,7 @@ def _across_corners(
     at: Array,
     inside: tuple[Array, Array, Array],
 ) -> None:
-    """Put joints in gaps at a corner of the profile on polynomials in the share of the path, smooth where s'' jumps.
-
-    Args:
-        known: Times of the samples, from rest to rest, Shape (N,).
-        at: Other times, Shape (k,).
-    """
+    """Put joints in gaps at a corner of the profile on polynomials in the share of the path, smooth where s'' jumps."""
     u, end = known / course.duration, np.searchsorted(known, at, side="right")
     corners = np.array(CORNERS.get(course.profile, ()))
     moving = (end > 1) & (end < len(known) - 1)

@@ -122,9 +122,7 @@ def slip(
 ) -> str | None:
     """Where the tips' velocities or accelerations do not fit the object's, as a sentence; None if they fit.
 
-    Args:
-        shares: Allowed of the largest velocity, and of the largest acceleration; accelerations are left out if it is.
-        rest: Allowed besides [m, rad per s or s²].
+    Allowed are shares of the largest velocity and acceleration, which is left out if its share is, and what is rest.
     """
     for robot, tip in zip(cell.robots, tips, strict=True):
         rates = zip(tip_rates(cell, robot, given), (tip.velocity, tip.acceleration), strict=True)
@@ -196,9 +194,8 @@ def close_chain(
 def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:
     """Whether joints hold every grasp along a motion.
 
-    Args:
-        gaps: Largest distance [m] and angle [rad] of a tip off its grasp.
-        share: Largest slip of a tip on its grasp, relative to the largest velocity, or acceleration, of a tip.
+    Allowed are gaps, a distance [m] and an angle [rad], and a share of the largest velocity, or acceleration, of a tip
+    by which it slips on its grasp.
     """
     library, target = cell.functions.compiled, given.object
     if library is None:
@@ -282,11 +279,7 @@ def _check_regular(cell: Cell, time: Array, q: Array) -> None:
 def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
     """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
 
-    A direction that a singular arm has lost is left as given.
-
-    Args:
-        q: Joint positions on the grasps, Shape (N, m).
-        dq: Velocities that may be off, Shape (N, m); likewise the accelerations `ddq`.
+    The positions are on the grasps. A direction that a singular arm has lost is left as given.
     """
     dq, ddq, samples = dq.copy(), ddq.copy(), len(q)
     rates = [tip_rates(cell, robot, target) for robot in cell.robots]

@@ -24,11 +24,7 @@ TWIST = tuple(f"{move} {axis}" for move in ("along", "about") for axis in "xyz")
 
 
 def postures_for_rank(own: Array) -> Array:
-    """Joint positions at which the rank of an arm's Jacobian is that of its structure, Shape (POSTURES, n) [rad or m].
-
-    Args:
-        own: The first of them, Shape (n,).
-    """
+    """Joint positions at which an arm's Jacobian has the rank of its structure, Shape (POSTURES, n), its own first."""
     others = 2 * (np.arange(1, (POSTURES - 1) * len(own) + 1) * GOLDEN % 1) - 1
     return np.concatenate([own[None], others.reshape(POSTURES - 1, len(own))])
 
@@ -36,8 +32,7 @@ def postures_for_rank(own: Array) -> Array:
 def lacking_freedom(joints: Sequence[str], jacobians: Array, rows: Sequence[int]) -> str:
     """Why an arm does not move its hand in all directions in any posture, as a sentence; empty if it does in some.
 
-    Args:
-        jacobians: Of the tip in base axes at `postures_for_rank`, Shape (POSTURES, w, n).
+    Jacobians of the tip in base axes are those at `postures_for_rank`, Shape (POSTURES, w, n).
     """
     values, right = np.linalg.svd(jacobians)[1:]
     ranks = np.sum(values > DEPENDENT * values[:, :1], axis=1)

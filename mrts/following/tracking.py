@@ -125,13 +125,7 @@ WORDINGS = {
 
 @dataclass(frozen=True)
 class TrackingFailure:
-    """Why an arm cannot follow.
-
-    Attributes:
-        kind: In a phrase that its fellows share, such as "out of reach".
-        message: With robot, sample and amount.
-        sample: The first that it does not follow.
-    """
+    """Why an arm cannot follow, and from which sample on; its kind is a phrase that others share: "out of reach"."""
 
     kind: str
     message: str
@@ -141,11 +135,7 @@ class TrackingFailure:
 def tracking_failure(
     code: int, robot: Robot, time: Array, sample: int, amounts: Sequence[float], joint: int = 0
 ) -> TrackingFailure:
-    """What an outcome says.
-
-    Args:
-        time: Shape (N,) [s].
-    """
+    """What an outcome says."""
     kind, does, why, advice = WORDINGS[code]
     degrees = robot.joint_types[joint] == "revolute" and abs(amounts[0]) > DEGREES_SUSPECTED
     why = why.format(
@@ -247,12 +237,9 @@ def tracking_rule(cell: Cell) -> Any:
 def solve_grasps(
     cell: Cell, motion: ObjectMotion, sample: int | NDArray[np.intp], start: Array, steps: int, *, near: Array | None
 ) -> HeldGrasps:
-    """Joint positions that hold the grasps at one sample.
+    """Joint positions that hold the grasps at one sample, or one for each of T sets to start from, Shape (T, m).
 
-    Args:
-        sample: Which sample; or one for each set of positions, Shape (T,).
-        start: Positions to start from, Shape (T, m) [rad or m].
-        near: Positions that redundant arms stay near, Shape (m,); None moves them no further than needed.
+    Redundant arms stay near the positions `near`, Shape (m,); None moves them no further than needed.
     """
     samples = np.atleast_1d(sample)
     given = {"position": motion.position[samples], "rotation": motion.rotation[samples]}
@@ -284,11 +271,7 @@ def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Ar
 
 
 def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVariants:
-    """Follow the grasps along a motion from several positions that hold them, each branch by continuity.
-
-    Args:
-        start: Positions at t = 0, Shape (V, m) [rad or m].
-    """
+    """Follow the grasps along a motion from V positions that hold them, Shape (V, m), each branch by continuity."""
     path = {name: getattr(motion, name)[None] for name in PATH}
     nothing = np.zeros((1, 0, start.shape[1]))
     given = {**path, "geometry": cell.geometry[None], "posture": start, "further": nothing}
@@ -405,11 +388,7 @@ def nearest_turns(robot: Robot, q: Array, posture: Array) -> Array:
 
 
 def within_limits(robot: Robot, q: Array) -> Array:
-    """Whole turns added to or taken from a joint's path where that brings it inside its position limits.
-
-    Args:
-        q: Joint positions along a motion, Shape (N, n_i) [rad or m].
-    """
+    """Whole turns added to or taken from joints along a motion, Shape (N, n_i), that bring them inside their limits."""
     turn = np.where(robot.turns, 2 * np.pi, np.inf)
     low, high = np.min(q, axis=0), np.max(q, axis=0)
     down = np.ceil((high - robot.position_upper) / turn - POSITION_TOLERANCE).clip(min=0)
@@ -422,12 +401,7 @@ def within_limits(robot: Robot, q: Array) -> Array:
 
 
 def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POSITION_TOLERANCE) -> None:
-    """Check the position limits of all joints along a motion.
-
-    Args:
-        time: Shape (N,) [s].
-        q: Shape (N, m) [rad or m].
-        tolerance: How far a joint may pass [rad or m].
+    """Check the position limits of all joints along a motion, Shape (N, m), passed by a tolerance at most [rad or m].
 
     Raises:
         MotionError: Names robot, joint, the first such sample, value and limits.

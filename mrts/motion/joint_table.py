@@ -44,12 +44,9 @@ Source = Literal["positions", "velocities"]
 
 @dataclass(frozen=True, repr=False, eq=False)
 class JointSplines:
-    """What a table makes of one joint at any time, where not all of its derivatives were given.
+    """What a table makes of one joint at any time: the spline of its position [rad or m], and that of a given velocity.
 
-    Attributes:
-        position: Its spline [rad or m].
-        rate: Of its velocity, where velocities were given [rad/s or m/s].
-        moved: By how much positions were smoothed by their rounding, at most [rad or m].
+    `moved` says by how much positions were smoothed by their rounding, at most [rad or m].
     """
 
     position: Spline
@@ -199,15 +196,10 @@ def joint_motion(
     accelerations: dict[str, Array],
     samples: int | None,
 ) -> JointTable:
-    """Joint motion as given; what is missing of a joint is that of a spline through what there is.
+    """Joint motion as given, by joint Shape (M,); what is missing of a joint is that of a spline through what there is.
 
     Without velocities that is the C² spline of `splines_through` through its positions; without accelerations the
-    cubic spline through its velocities.
-
-    Args:
-        time: Shape (M,) [s], strictly increasing from 0.
-        positions: By joint, each Shape (M,) [rad or m].
-        samples: Number of samples on the splines; None takes the given times.
+    cubic spline through its velocities. It has the given times, Shape (M,) [s], or some number of even ones.
 
     Raises:
         InputError: If accelerations come with a number of samples.
@@ -232,11 +224,9 @@ def joint_motion(
 
 
 def joint_waypoints(path: Path, positions: dict[str, Array], samples: int | None) -> JointTable:
-    """A path of joints through waypoints: its time is the distance in joint space, as if this went at 1 rad/s or m/s.
+    """A path of joints through waypoints, by joint Shape (M,) [rad or m]: its time is the distance in joint space.
 
-    Args:
-        positions: By joint, each Shape (M,) [rad or m].
-        samples: Number of samples on the path; None takes enough.
+    It is as if this went at 1 rad/s or m/s, in some number of samples, or enough.
 
     Raises:
         InputError: If two waypoints that follow each other are the same.

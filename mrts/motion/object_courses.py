@@ -30,12 +30,9 @@ Fractions = tuple[Array, Array, Array]
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ProfiledPath:
-    """A path from pose to pose, or through waypoints, as a velocity profile runs along it.
+    """A path from pose to pose, or through waypoints, as a velocity profile runs along it in a duration [s].
 
-    Attributes:
-        rates: The motion of a duration [s] at fractions of the path.
-        profile: Velocity profile.
-        duration: [s].
+    `rates` gives the motion of a duration at fractions of the path.
     """
 
     rates: Callable[[float, Fractions], ObjectRates]
@@ -84,13 +81,8 @@ class PoseSplines:
 def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, fractions: Fractions) -> ObjectRates:
     """Along a straight line and the geodesic rotation from one pose to another: one motion, or many that run alike.
 
-    Args:
-        positions: Start and end, Shape (…, 2, 3) [m].
-        rotations: Start and end, Shape (…, 2, 3, 3).
-        duration: Shape (…) [s].
-
-    Returns:
-        Position, rotation, twist and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
+    Start and end are Shape (…, 2, 3) [m] and (…, 2, 3, 3), durations Shape (…) [s]; found are position, rotation, twist
+    and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
     """
     s, ds, dds = (value[:, None] for value in fractions)
     lead, samples = positions.shape[:-2], len(s)
@@ -113,28 +105,17 @@ def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, 
 def geodesic_motion(
     positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
 ) -> ObjectMotion:
-    """Samples of a motion along a geodesic, evenly spaced in time.
-
-    Args:
-        positions: Start and end, Shape (2, 3) [m].
-        rotations: Start and end, Shape (2, 3, 3).
-        duration: [s].
-    """
+    """Samples along the geodesic between two poses, Shape (2, 3) [m] and (2, 3, 3), evenly spaced in a duration [s]."""
     return ProfiledPath(partial(geodesic_rates, positions, rotations), profile, duration).evenly(samples)
 
 
 def waypoint_motion(
     positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
 ) -> ObjectMotion:
-    """Samples of a motion through waypoints, evenly spaced in time, on a C² path: splines of position and rotation.
+    """Samples of a motion through M poses on a C² path of splines, evenly spaced in a duration [s].
 
-    The path parameter is the distance along the waypoints, a turn counted by `ROTATION_LENGTH`; the profile runs it
-    from the first to the last.
-
-    Args:
-        positions: Shape (M, 3) [m].
-        rotations: Shape (M, 3, 3).
-        duration: [s].
+    The path parameter is the distance along the waypoints, Shape (M, 3) [m] and (M, 3, 3), a turn counted by
+    `ROTATION_LENGTH`; the profile runs it from the first to the last.
 
     Raises:
         InputError: If two waypoints that follow each other are the same.
@@ -166,13 +147,9 @@ def _spline_rates(line: Spline, turn: Callable[..., Any], duration: float, fract
 
 
 def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) -> ObjectMotion:
-    """Through poses at given times on the splines of `splines_through`, of position and quaternion.
+    """Through poses of a table on the splines of `splines_through`, of position and quaternion (x, y, z, w).
 
-    Args:
-        time: Shape (M,) [s], strictly increasing from 0.
-        positions: Shape (M, 3) [m].
-        quaternions: x, y, z, w, of length 1 but for rounding, Shape (M, 4).
-        at: Times of the samples, Shape (N,) [s], from 0 to the last of `time`.
+    Times are Shape (M,) from 0, poses Shape (M, 3) [m] and (M, 4), of length 1 but for rounding; samples are at others.
     """
     turns = quaternions * np.cumprod(np.where(_flips(quaternions), -1.0, 1.0))[:, None]
     splines, moved = splines_through(time, np.concatenate([positions, turns], axis=1))

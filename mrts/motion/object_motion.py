@@ -144,12 +144,7 @@ def _turns(rotation: Array) -> bool:
 
 
 def noise_allowed(values: Array, rates: Array) -> tuple[float, float]:
-    """What rounding may leave out of steps of positions, and of rates.
-
-    Args:
-        values: All positions of a table, Shape (N, k).
-        rates: Their derivatives, Shape (N, k).
-    """
+    """What rounding may leave out of steps of all positions of a table, and of their derivatives, each Shape (N, k)."""
     way, rate = float(np.max(np.ptp(values, axis=0))), float(np.max(np.abs(rates)))
     return max(min(NOISE, NOISE_SHARE * way), STILL), max(min(NOISE, NOISE_SHARE * rate), STILL)
 
@@ -160,13 +155,8 @@ def check_derivatives(
     """Check rates against the way between samples: catches wrong units, axes and signs, and too few samples.
 
     From each sample to the next, and from the first to all others, where what cancels out within a few steps does not
-    count. The rule that the way is compared with is of fourth order, so a reasonable table passes by far.
-
-    Args:
-        time: Shape (N,) [s].
-        value: Shape (N, k).
-        rate: Its derivative, Shape (N, k).
-        change: The derivative of that, Shape (N, k).
+    count. The rule that the way is compared with is of fourth order, so a reasonable table passes by far. Values, their
+    rates and the changes of these are Shape (N, k).
 
     Raises:
         InputError: If the rates do not lead from sample to sample.

@@ -43,19 +43,12 @@ NEARLY_AT_REST = 0.2
 
 
 def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
-    """The C² spline of each column of samples.
+    """The C² spline of each column of samples, Shape (N, k), and its largest distance from one, Shape (k,).
 
     It is the cubic spline through them whose ends are free (not-a-knot: a motion may start with an acceleration, which
     natural ends would take for none). Where the samples carry so few digits that its second derivative were noise, it
     is the quintic spline of the fewest pieces that misses them by no more than their rounding, unless a corner keeps
     all of these from that.
-
-    Args:
-        time: Shape (N,) [s], strictly increasing.
-        columns: Shape (N, k).
-
-    Returns:
-        One spline a column, and its largest distance from a sample, Shape (k,), 0 where it passes through all.
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
 
@@ -80,12 +73,8 @@ def smoothing_splines(time: Array, columns: Array) -> list[Spline]:
     """For each column the least-squares quintic spline of as many pieces as generalised cross-validation asks for.
 
     It makes N RSS / (N - p)² least, for p coefficients and the residual sum of squares RSS of N samples (Craven and
-    Wahba, Numerische Mathematik, 1979): what is smoothed away is as large as the noise seems to be. Columns that
-    together are nearly at rest at an end are so exactly, as noise is largest in rates there.
-
-    Args:
-        time: Shape (N,) [s], strictly increasing, N > `PIECE` + `DEGREE`.
-        columns: Shape (N, k).
+    Wahba, Numerische Mathematik, 1979), N > `PIECE` + `DEGREE`: what is smoothed away is as large as the noise seems to
+    be. Columns that together are nearly at rest at an end are so exactly, as noise is largest in rates there.
     """
     free = _cross_validated(time, columns, (False, False))
     rates = np.abs(np.column_stack([spline(time, 1) for spline in free]))
@@ -131,22 +120,16 @@ def _knots(time: Array, pieces: int) -> Array:
 
 
 def derivative(time: Array, columns: Array) -> Array:
-    """Derivatives at the samples of the cubic splines through them, Shape (N, k); rounding is divided by a step only.
-
-    Args:
-        time: Shape (N,) [s], strictly increasing.
-        columns: Shape (N, k).
-    """
+    """Derivatives at N times of the cubic splines through columns, Shape (N, k); rounding is divided by a step only."""
     from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
     return np.asarray(CubicSpline(time, columns)(time, 1), dtype=np.float64)
 
 
 def rounding(values: Array) -> float:
-    """Root mean square of what printing has cut off, 0 if the values carry more than `MOST_DIGITS`.
+    """Root mean square of what printing has cut off numbers of one kind, 0 if they carry more than `MOST_DIGITS`.
 
-    Args:
-        values: Shape (N,), of one kind: all printed with as many decimals, or with as many significant digits.
+    All are printed with as many decimals, or with as many significant digits.
     """
     size = np.where(values == 0, 1.0, np.maximum(np.abs(values), SMALLEST_SIZE))
     exponent = np.floor(np.log10(size))

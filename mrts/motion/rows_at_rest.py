@@ -19,22 +19,14 @@ LEAST = 2
 
 
 def holding_step(time: Array) -> float:
-    """How far from the motion a row lies that holds still [s].
-
-    Args:
-        time: Of the motion's samples, Shape (N,) [s].
-    """
+    """How far from a motion of some times, Shape (N,), a row lies that holds still [s]."""
     return min(HOLDING_STEP, float(np.min(np.diff(time))))
 
 
 def pushing_ends(dq: Array, ddq: Array) -> tuple[bool, bool]:
-    """Whether a motion is at rest at its start, and at its end, but accelerates there.
+    """Whether a motion is at rest at its start, and at its end, but its joints, Shape (N, m), accelerate there.
 
     A controller that waits there, or stays there, would push with the torques of that acceleration.
-
-    Args:
-        dq: Joint velocities, Shape (N, m).
-        ddq: Joint accelerations, Shape (N, m).
     """
     (speed, fastest), (change, most) = ((np.max(of[[0, -1]], axis=1), np.max(of)) for of in (np.abs(dq), np.abs(ddq)))
     pushes = (speed <= REST * fastest) & (change > REST * most)
@@ -42,16 +34,11 @@ def pushing_ends(dq: Array, ddq: Array) -> tuple[bool, bool]:
 
 
 def moving_rows(time: Array, q: Array, dq: Array, ddq: Array) -> slice:
-    """The rows of a table without those that hold still before and after the motion.
+    """The rows of a table without those that hold still before and after the motion; parts not given are Shape (N, 0).
 
     Such a row is the first or the last, with no velocity and no acceleration, in exactly the position of the row next
     to it, from which the motion starts, or at which it ends, with an acceleration; where no accelerations are given, at
     rest and as far away as such a row is written.
-
-    Args:
-        time: Shape (N,) [s].
-        q: Joint positions, Shape (N, m).
-        dq: Joint velocities, Shape (N, m), or (N, 0) where they are not given.
     """
     first, last = 0, len(q)
     before, after = (

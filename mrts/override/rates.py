@@ -37,11 +37,6 @@ def levelled(corners: Corners, part: float, hold: Array) -> Corners:
 
     What the object takes for them goes to all arms alike, as what wrenches lack does while it plays: the wrenches of
     the hardest accelerations are found node by node, and change from one to the next faster than rates allow.
-
-    Args:
-        corners: As they are found for limits alone.
-        part: Of the median acceleration.
-        hold: Wrenches at rest and at the largest speed, Shape (n, 2, n w).
     """
     size = np.abs(corners.acceleration)
     most = part * np.median(size)

@@ -30,10 +30,7 @@ DRAWN = 20
 
 
 def read_wishes(path: Path | str) -> Array:
-    """Read a CSV table with the columns t [s] and speed.
-
-    Returns:
-        Times from 0 and wanted speeds, each held until the next, Shape (k, 2).
+    """Read a CSV table with the columns t [s] and speed: times from 0 and speeds, each held until the next, (k, 2).
 
     Raises:
         InputError: If it is malformed, says where.
@@ -62,12 +59,9 @@ def random_wishes(seed: int, duration: float) -> Array:
 
 
 def commanded(override: SpeedOverride, wanted: Array, dt: float) -> ScaledTrajectory:
-    """What a controller commands at every tick until nothing moves any more; at the start the first speed is had.
+    """What a controller commands at every tick of dt [s], when some speed is wanted, Shape (k,), until nothing moves.
 
-    Args:
-        override: Of the plan, which is played from its start.
-        wanted: Speed that is wanted at each tick, Shape (k,).
-        dt: Between ticks [s].
+    At the start the first speed is had.
 
     Raises:
         InputError: If nothing moves, or something still does at the last tick.
@@ -91,12 +85,7 @@ def commanded(override: SpeedOverride, wanted: Array, dt: float) -> ScaledTrajec
 
 
 def wanted_at_ticks(wishes: Array, duration: float, dt: float) -> Array:
-    """The wanted speed at every tick until what the last wish asks for can be reached, Shape (k,).
-
-    Args:
-        wishes: As `read_wishes` returns them.
-        duration: Of the plan [s].
-        dt: Between ticks [s].
+    """The speed wanted at every tick of dt [s] of a plan until what the last wish asks for is reached, Shape (k,).
 
     Raises:
         InputError: If wishes are malformed, or that takes more than `MOST_TICKS`.

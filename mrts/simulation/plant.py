@@ -116,13 +116,7 @@ class Plant:
         parent.add_site(name=f"{robot.name}/hand", pos=chain.tip.p, quat=quaternion(chain.tip.R))
 
     def start(self, plan: ScaledTrajectory, torque: Array, wrench: Array) -> None:
-        """Place everything where a plan starts, at rest.
-
-        Args:
-            plan: The plan.
-            torque: Of the motors, Shape (m,) [N m].
-            wrench: That the grasps bear, base axes, Shape (n w,) [N, N m].
-        """
+        """Place everything where a plan starts, at rest, with torques of motors and wrenches that grasps bear."""
         data, given, joints = self.data, plan.motion.object, len(self.q_index)
         self.set_state(plan.q[0], np.zeros(joints), given.position[0], given.rotation[0], np.zeros(SPATIAL))
         data.ctrl[:joints] = torque
@@ -200,12 +194,7 @@ class Plant:
             )
 
     def trajectory(self, time: Array, rows: Array) -> ScaledTrajectory:
-        """What was simulated as a trajectory of the cell, at c² = 1.
-
-        Args:
-            time: Shape (N,) [s].
-            rows: Of `sample`, one a time.
-        """
+        """What was simulated as a trajectory of the cell, at c² = 1: a row of `sample` at each time, Shape (N,) [s]."""
         model, m = self.model, len(self.q_index)
         sizes = np.cumsum([model.nq, model.nv, model.nv, model.nu])
         qpos, qvel, qacc, force, axes = np.split(rows, sizes, axis=1)

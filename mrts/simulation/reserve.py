@@ -27,10 +27,7 @@ MOST_PLANS = 16
 
 @dataclass(frozen=True)
 class TriedReserve:
-    """A plan that was tried: its reserve, its duration, infinity if there is none [s], and the largest use of a limit.
-
-    `limit` names that limit; without a plan the use is infinite.
-    """
+    """A plan that was tried: its reserve, its duration, infinity without one [s], and the largest use of a limit."""
 
     reserve: float
     duration: float

@@ -146,15 +146,10 @@ def read_parameters(
     filled: dict[str, Any],
     cell: Cell,
 ) -> tuple[Parameter, ...]:
-    """The parameters of a study.
+    """The parameters of a study, whose file is named in messages, by its key `vary`.
 
-    Args:
-        path: The study file, for messages.
-        vary: Its key of that name.
-        sample: How points are chosen.
-        given: Keys and values of the "cell" and the "motion" file; numbers that vary are written into them.
-        filled: The same with all that they leave out.
-        cell: The cell.
+    Numbers that vary are written into the keys and values of the "cell" and the "motion" file that were given; `filled`
+    are the same with all that they leave out.
 
     Raises:
         InputError: If an entry breaks a rule, leads to no number, or to one that another entry moves.

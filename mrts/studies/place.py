@@ -219,8 +219,7 @@ class LayoutSearch:
 
     Attributes:
         given: What the cell can do as its file has it; None if it can do nothing.
-        found: All layouts that can be played at the samples.
-        failures: Why others cannot.
+        found: All layouts that can be played at the samples; why others cannot say `failures`.
         colliding: How many were the fastest, but for a collision.
         over: Says whether to come to the end.
     """

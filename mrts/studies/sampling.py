@@ -79,17 +79,10 @@ def grid_size(distributions: Sequence[Distribution]) -> int:
 def sample_points(
     distributions: Sequence[Distribution], sample: SampleName, seed: int, block: tuple[int, int]
 ) -> Array:
-    """A block of the points of a study, the same whatever block they are asked for in.
+    """The points of a study from a first to a last that is left out, Shape (V, P), the same whatever block they are in.
 
-    Args:
-        distributions: Of the P numbers; those of a grid have levels.
-        sample: "grid" takes every combination, the last number varying fastest; "sobol" is a scrambled Sobol sequence
-            (`scipy.stats.qmc`).
-        seed: Of what is drawn.
-        block: The first point, and the first that is left out.
-
-    Returns:
-        Shape (V, P).
+    "grid" takes every combination of levels, the last number varying fastest; "sobol" is a scrambled Sobol sequence
+    (`scipy.stats.qmc`), drawn with a seed.
     """
     first, last = block
     if sample == "grid":

@@ -66,12 +66,7 @@ class StudyQuestion(Record):
 
 @dataclass(frozen=True)
 class StudyFile:
-    """A URDF or a mesh that a cell file names, so that a study can be solved where its files are not.
-
-    Attributes:
-        keys: Where the cell file names it, by `reference`.
-        path: Where it is, absolute.
-    """
+    """A URDF or a mesh that a cell file names by a reference at some keys, so that a study can be solved elsewhere."""
 
     keys: Keys
     reference: str

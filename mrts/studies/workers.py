@@ -51,13 +51,7 @@ logger = logging.getLogger("mrts")
 
 @dataclass(frozen=True)
 class WorkerPool:
-    """Workers that solve calls.
-
-    Attributes:
-        submit: Gives a call to a worker.
-        size: How many workers there are now.
-        deaths: What is raised in place of a result where a worker ended; the pool may be broken then.
-    """
+    """Workers: what gives one a call, how many there are now, and what is raised where one ended with its call."""
 
     submit: Callable[..., Future[Any]]
     size: Callable[[], int]
