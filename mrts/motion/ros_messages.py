@@ -115,8 +115,8 @@ KIND = "trajectory_msgs/msg/JointTrajectory"
 OF_MOVEIT = "moveit_msgs/msg/RobotTrajectory", "moveit_msgs/msg/DisplayTrajectory"
 """Read where a bag has no messages of `KIND`: what a planner shows, a controller mostly plays."""
 
-MOST_LISTED = 10
-"""Trajectories that a message lists."""
+DERIVATIVES = ("positions", "velocities", "accelerations")
+"""Parts of a trajectory's points that are a motion."""
 
 
 def read_joint_trajectories(
@@ -138,13 +138,26 @@ def read_joint_trajectories(
     Raises:
         InputError: If it is no bag, holds no trajectory that can be read, or a trajectory breaks a rule.
     """
+    time, (q, dq, ddq), unusable = joint_columns(path, _trajectories(path, topic), trajectory)
+    ddq = {name: column for name, column in ddq.items() if name in dq}
+    return replace(joint_motion(path, time, q, dq, ddq, samples), unusable=unusable)
+
+
+def joint_columns(
+    path: Path, trajectories: dict[str, list[Any]], which: int | None, parts: tuple[str, ...] = DERIVATIVES
+) -> tuple[Array, list[dict[str, Array]], dict[str, InputError]]:
+    """Times of trajectories by topic, Shape (N,) [s] from 0, their parts by column, and columns with other times.
+
+    Raises:
+        InputError: If no trajectory can be read, or two are of the same joint.
+    """
     usable: dict[str, tuple[Any, NDArray[np.int64]]] = {}
     unusable: dict[str, InputError] = {}
     failure: InputError | None = None
-    for name, planned in _trajectories(path, topic).items():
+    for name, planned in trajectories.items():
         try:
-            message = _chosen(path, name, planned, trajectory)
-            usable[name] = message, point_stamps(path, name, message)
+            message = _chosen(path, name, planned, which)
+            usable[name] = message, _point_stamps(path, name, message)
         except InputError as error:
             unusable |= dict.fromkeys(_names(name, planned[0]) if planned else [], error)
             failure = failure or error
@@ -152,24 +165,21 @@ def read_joint_trajectories(
         raise failure
     first = max(usable, key=lambda name: _joints_at(usable, usable[name][1]))
     stamps = usable[first][1]
-    parts: dict[str, dict[str, Array]] = {"positions": {}, "velocities": {}, "accelerations": {}}
+    found: dict[str, dict[str, Array]] = {part: {} for part in parts}
     for name, (message, at) in usable.items():
         names = _names(name, message)
         if not np.array_equal(at, stamps):
             rule = f"must have the times of {first}: the arms move together."
             unusable |= dict.fromkeys(names, InputError(path, rule, key=name))
             continue
-        for part, columns in parts.items():
-            values = point_values(path, name, message, part)
+        for part, columns in found.items():
+            values = _point_values(path, name, message, part)
             for column, numbers in zip(names, values.T, strict=False):
                 if column in columns:
                     robot, _, joint = column.rpartition("/")
                     raise InputError(path, f"the joint '{joint}' of '{robot}' has another trajectory.", key=name)
                 columns[column] = numbers
-    q, dq, ddq = parts.values()
-    ddq = {name: column for name, column in ddq.items() if name in dq}
-    table = joint_motion(path, (stamps - stamps[0]) / NANOSECONDS, q, dq, ddq, samples)
-    return replace(table, unusable=unusable)
+    return (stamps - stamps[0]) / NANOSECONDS, [*found.values()], unusable
 
 
 def _names(topic: str, message: Any) -> list[str]:
@@ -221,25 +231,16 @@ def _chosen(path: Path, topic: str, planned: list[Any], which: int | None) -> An
     count = f"holds {len(planned)} trajectories"
     if which is not None or not planned:
         raise InputError(path, f"{count}, counted from 0; there is no trajectory {which or 0}.", key=topic)
-    listed = "; ".join(f"{index}: {_length(part)}" for index, part in enumerate(planned[:MOST_LISTED]))
-    more = "" if len(planned) <= MOST_LISTED else "; …"
+    sizes = ", ".join(str(len(part.points)) for part in planned)
     raise InputError(
         path,
-        f"{count}; a motion is one. Say which in a motion file, 'joints: {path.name}' and 'trajectory: 0' to "
-        f"{len(planned) - 1} ({listed}{more}).",
+        f"{count}, of {sizes} points; a motion is one. Say which in a motion file, 'joints: {path.name}' and "
+        f"'trajectory: 0' to {len(planned) - 1}.",
         key=topic,
     )
 
 
-def _length(planned: Any) -> str:
-    size = f"{len(planned.points)} points of {len(planned.joint_names)} joints"
-    if not len(planned.points):
-        return size
-    end = planned.points[-1].time_from_start
-    return f"{size}, {end.sec + end.nanosec / NANOSECONDS:.4g} s"
-
-
-def point_stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
+def _point_stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
     """Times of a trajectory's points from its start, strictly increasing, Shape (N,) [ns]."""
     times = [point.time_from_start for point in planned.points]
     if len(times) < 2:  # noqa: PLR2004 (both ends)
@@ -255,7 +256,7 @@ def point_stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
     return stamps
 
 
-def point_values(path: Path, topic: str, message: Any, part: str) -> Array:
+def _point_values(path: Path, topic: str, message: Any, part: str) -> Array:
     """A part of a trajectory's points, such as positions: Shape (N, joints), or (N, 0) where it is not given."""
     joints = list(message.joint_names)
     rows = [getattr(point, part) for point in message.points]

@@ -12,7 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate, required_columns
 from mrts.motion.csv_motion import read_joint_columns
 from mrts.motion.joint_table import joint_motion
-from mrts.motion.ros_messages import KIND, NANOSECONDS, bag_messages, is_bag, joint_column, point_stamps, point_values
+from mrts.motion.ros_messages import DERIVATIVES, KIND, bag_messages, is_bag, joint_columns
 from mrts.motion.rows_at_rest import moving_rows
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
@@ -20,8 +20,6 @@ PARTS = ("q", "dq", "ddq", "tau", "F")
 """Of a plan, in the order of its columns."""
 
 WRENCH_KIND = "geometry_msgs/msg/WrenchStamped"
-
-OTHER_TIMES = "must have the times of all others: the arms move together."
 
 
 def load_plan(cell: Cell, path: Path | str) -> ScaledTrajectory:
@@ -83,30 +81,21 @@ def read_plan(cell: Cell, path: Path | str) -> tuple[Array, dict[str, Array]]:
 
 def _from_bag(cell: Cell, path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
     """What a table of the same plan has: times, and columns by q, dq, ddq, tau and F."""
-    names = {"q": "positions", "dq": "velocities", "ddq": "accelerations", "tau": "effort"}
-    parts: dict[str, dict[str, Array]] = {name: {} for name in PARTS}
-    messages, stamps = bag_messages(path, KIND, WRENCH_KIND), np.zeros(0, dtype=np.int64)
-    for topic, ((_, planned), *_) in messages.items():
-        if planned.__msgtype__ != KIND:
-            continue
-        own = point_stamps(path, topic, planned)
-        stamps = stamps if len(stamps) else own
-        if not np.array_equal(own, stamps):
-            raise InputError(path, OTHER_TIMES, key=topic)
-        for name, part in names.items():
-            columns = point_values(path, topic, planned, part).T
-            parts[name] |= {
-                joint_column(topic, joint): of for joint, of in zip(planned.joint_names, columns, strict=False)
-            }
-    if not len(stamps):
+    messages = {topic: [message for _, message in of] for topic, of in bag_messages(path, KIND, WRENCH_KIND).items()}
+    planned = {topic: of for topic, of in messages.items() if of[0].__msgtype__ == KIND}
+    if not planned:
         raise InputError(path, f"has no topic of {KIND}.")
+    time, found, unusable = joint_columns(path, planned, 0, (*DERIVATIVES, "effort"))
+    for error in unusable.values():
+        raise error
+    parts = dict(zip(PARTS, [*found, {}], strict=True))
     for robot in cell.robots:
         topic = f"/{robot.name}/contact_wrench"
-        pushed = [message.wrench for _, message in messages.get(topic, [])]
-        if len(pushed) not in {0, len(stamps)}:
-            raise InputError(path, OTHER_TIMES, key=topic)
+        pushed = [message.wrench for message in messages.get(topic, [])]
+        if len(pushed) not in {0, len(time)}:
+            raise InputError(path, "must have the times of all others: the arms move together.", key=topic)
         if pushed:
             six = np.array([[of.x, of.y, of.z] for one in pushed for of in (one.force, one.torque)]).reshape(-1, 6)
             of_hand = zip(cell.wrench_components, six.T[cell.wrench_rows], strict=True)
             parts["F"] |= {f"{robot.name}/{component}": of for component, of in of_hand}
-    return (stamps - stamps[0]) / NANOSECONDS, parts
+    return time, parts

@@ -24,7 +24,7 @@ from mrts.kernel.tracking import PATH, REFUSED
 from mrts.kernel.variants import variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import ActiveRow
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
@@ -397,13 +397,9 @@ class VariantBatch:
 
     def _named(self, codes: Array, lower: Array, upper: Array) -> list[ActiveRow]:
         """Rows at their limits, by codes: 1 + row at an upper, -1 - row at a lower limit."""
-        names = self.rows.names
-        return [
-            ActiveRow(names[code - 1], "upper", float(upper[code - 1]))
-            if code > 0
-            else ActiveRow(names[-code - 1], "lower", float(lower[-code - 1]))
-            for code in codes.tolist()
-        ]
+        rows = [(abs(code) - 1, code > 0) for code in codes.tolist()]
+        sides = lower.tolist(), upper.tolist()
+        return [ActiveRow.of(self.rows.names[at], *(side[at] for side in sides), at_upper=up) for at, up in rows]
 
     def _binding_caps(
         self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]
@@ -411,22 +407,16 @@ class VariantBatch:
         """The velocities and accelerations that bound c² the most, by variant, where one does."""
         capped = np.flatnonzero(tracked.followed & (found["status"] == OPTIMAL) & (found["capped"] != 0))
         sample, m = found["sample"][capped, 1], tracked.q.shape[2]
-        limit = np.broadcast_to(given["velocity"], (len(found), m + 2))
         least, most = (1 - self._reserve) * self._accelerations
         of_object = (1 - self._reserve) * self._cell.object_acceleration_limit
         rows: dict[int, list[ActiveRow]] = {}
         for place, cap in np.argwhere(binds(given["cap_share"][capped, sample])).tolist():
             variant, joint = int(capped[place]), cap - m - 2
-            side: Side = "upper"
-            if joint < 0:
-                value = limit[variant, cap]
-            elif joint >= m:
-                value = of_object[joint - m]
-            elif tracked.ddq[variant, sample[place], joint] > 0:
-                value = most[joint]
-            else:
-                side, value = "lower", least[joint]
-            rows.setdefault(variant, []).append(ActiveRow(self._caps[cap], side, float(value)))
+            upper = np.concatenate([given["velocity"][variant % len(given["velocity"])], most, of_object])[cap]
+            slows = 0 <= joint < m and tracked.ddq[variant, sample[place], joint] < 0
+            lower = least[joint] if slows else -upper
+            row = ActiveRow.of(self._caps[cap], float(lower), float(upper), at_upper=not slows)
+            rows.setdefault(variant, []).append(row)
         return rows
 
 
