@@ -66,7 +66,8 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
     known = _on_course(given, at)
     inside = velocity_polynomials(given.time, ours, time) if motion.course is None else motion.course(time)
     if motion.course is None and known is None and not of_path:
-        inside = (*inside[:2], _linear(given.time, motion.ddq, time))
+        # accelerations that were given may jump, and lie between those of the samples
+        inside = (*inside[:2], np.column_stack([np.interp(time, given.time, column) for column in motion.ddq.T]))
     elif motion.course is None and isinstance(given.course, ProfiledPath):
         _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
@@ -174,11 +175,6 @@ def _across_corners(
     rate, change = rate[:, None], change[:, None]
     for of, exact in zip(inside, (way, slope * rate, bend * rate**2 + slope * change), strict=True):
         of[near] = exact
-
-
-def _linear(known: Array, values: Array, at: Array) -> Array:
-    """Values between samples in proportion, Shape (k, m): those of given accelerations, which may jump, lie between."""
-    return np.column_stack([np.interp(at, known, column) for column in values.T])
 
 
 def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:

@@ -83,6 +83,14 @@ LIMIT_PUSH = 20.0
 FOLD = 1e-3
 """Curvature of H on the set that holds the grasp (1 far from limits on a flat set) below which its minimum ends."""
 
+MULTI_STARTS = 400
+"""Seeded random starts: each of up to 16 branches is then found many times."""
+
+BRANCH_SEED = 20
+
+SAME_BRANCH = 1e-6
+"""Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
+
 OUT_OF_REACH = "out of reach"
 
 _NO_REACH = (OUT_OF_REACH, "cannot reach its grasp", "its tip came no nearer than {0:.3g} m and {1:.3g} rad.")
@@ -414,3 +422,33 @@ def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POS
             joint = int(np.argmax(beyond[sample]))
             at = [float(own[sample, joint])]
             raise MotionError(tracking_failure(tracking.PAST_LIMIT, robot, time, sample, at, joint).message)
+
+
+def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int = MULTI_STARTS) -> Array:
+    """Joint positions of one arm that hold its grasp at t = 0 inside its limits, each branch once, Shape (k, n_i)."""
+    robot = cell.robots[index]
+    joints = cell.joint_slices[robot.name]
+    redundant = is_redundant(cell, robot)
+    start = np.tile(cell.posture, (starts, 1))
+    start[:, joints] = _random_starts(robot, starts)
+    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
+    settled = reached(held) & (held.drift <= SETTLED_PREFERENCE)
+    distinct: list[Array] = []
+    for candidate in held.q[settled[:, index]][:, joints]:
+        # a redundant arm has settled where its null space points, whole turns and all
+        near = candidate if redundant else nearest_turns(robot, candidate, robot.posture)
+        near = within_limits(robot, near[None])[0]
+        inside = np.all(np.maximum(robot.position_lower - near, near - robot.position_upper) <= POSITION_TOLERANCE)
+        apart = (nearest_turns(robot, near, other) - other for other in distinct)
+        if inside and not any(np.max(np.abs(off)) < SAME_BRANCH for off in apart):
+            distinct.append(near)
+    return np.array(distinct).reshape(-1, len(robot.joints))
+
+
+def _random_starts(robot: Robot, count: int) -> Array:
+    rng = np.random.default_rng(BRANCH_SEED)
+    low = np.where(np.isfinite(robot.position_lower), np.maximum(robot.position_lower, -np.pi), -np.pi)
+    high = np.where(np.isfinite(robot.position_upper), np.minimum(robot.position_upper, np.pi), np.pi)
+    starts = rng.uniform(low, high, (count, len(robot.joints)))
+    starts[0] = robot.posture
+    return starts

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What an identification found of the motors: numbers with their confidence, as text and as YAML for the cell file."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import indent
@@ -180,7 +179,8 @@ def _block(arm: ArmMotors) -> list[str]:
             block[name] = [float(f"{value:.{DIGITS}g}") for value in found.value]
             zero = ", ".join(np.array(arm.robot.joints)[found.bounded])
             widths = ", ".join(f"{width:.2g}" for width in found.half_width)
-            units = " or ".join(dict.fromkeys(_units(name, [arm])))
+            turning, sliding = UNITS[name]
+            units = " or ".join(dict.fromkeys(turning if of == "rad" else sliding for of in arm.robot.position_units))
             told.append(f"{name} in {units} ± {widths}{f'; held at 0: {zero}' if zero else ''}")
         else:
             told.append(f"{name} is not known of every joint, so it is left out:")
@@ -188,8 +188,3 @@ def _block(arm: ArmMotors) -> list[str]:
             told += [f"  {joint}: {why or f'{value:.4g} ± {width:.2g}'}" for joint, why, value, width in joints]
     block_text = yaml_text({"motors": motors}) if motors else ""
     return [f"    # {printable(line)}" for line in told] + indent(block_text, "    ").splitlines()
-
-
-def _units(name: str, arms: Sequence[ArmMotors]) -> list[str]:
-    turning, sliding = UNITS[name]
-    return [turning if unit == "rad" else sliding for arm in arms for unit in arm.robot.position_units]

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
@@ -151,7 +150,8 @@ def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) 
 
     Times are Shape (M,) from 0, poses Shape (M, 3) [m] and (M, 4), of length 1 but for rounding; samples are at others.
     """
-    turns = quaternions * np.cumprod(np.where(_flips(quaternions), -1.0, 1.0))[:, None]
+    flips = np.append(False, np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0)
+    turns = quaternions * np.cumprod(np.where(flips, -1.0, 1.0))[:, None]
     splines, moved = splines_through(time, np.concatenate([positions, turns], axis=1))
     course = PoseSplines(tuple(splines))
     remarks = (smoothing_remark("the object's poses", float(np.max(moved))),) if np.any(moved) else ()
@@ -165,10 +165,6 @@ def smoothing_remark(what: str, moved: float) -> Remark:
         f"the digits of {what} are too few to be differentiated twice: a smooth path was taken that misses them by "
         f"their rounding on the mean, and by at most {moved:.2g}. Give more digits, or velocities and accelerations.",
     )
-
-
-def _flips(quaternions: Array) -> NDArray[np.bool_]:
-    return np.concatenate([[False], np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0])
 
 
 def _rotation_rates(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:

@@ -163,7 +163,11 @@ def joint_columns(
             failure = failure or error
     if failure is not None and not usable:
         raise failure
-    first = max(usable, key=lambda name: _joints_at(usable, usable[name][1]))
+
+    def joints_at(stamps: NDArray[np.int64]) -> int:
+        return sum(len(message.joint_names) for message, at in usable.values() if np.array_equal(at, stamps))
+
+    first = max(usable, key=lambda name: joints_at(usable[name][1]))
     stamps = usable[first][1]
     found: dict[str, dict[str, Array]] = {part: {} for part in parts}
     for name, (message, at) in usable.items():
@@ -184,10 +188,6 @@ def joint_columns(
 
 def _names(topic: str, message: Any) -> list[str]:
     return [joint_column(topic, joint) for joint in message.joint_names]
-
-
-def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray[np.int64]) -> int:
-    return sum(len(message.joint_names) for message, at in usable.values() if np.array_equal(at, stamps))
 
 
 def _trajectories(path: Path, topic: str | None) -> dict[str, list[Any]]:
@@ -234,8 +234,8 @@ def _chosen(path: Path, topic: str, planned: list[Any], which: int | None) -> An
     sizes = ", ".join(str(len(part.points)) for part in planned)
     raise InputError(
         path,
-        f"{count}, of {sizes} points; a motion is one. Say which in a motion file, 'joints: {path.name}' and "
-        f"'trajectory: 0' to {len(planned) - 1}.",
+        f"{count}; a motion is one. Say which in a motion file, 'joints: {path.name}' and 'trajectory: 0' to "
+        f"{len(planned) - 1} (of {sizes} points).",
         key=topic,
     )
 

@@ -9,9 +9,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
-from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.following.tracking import follow_from
+from mrts.following.tracking import branches_at_start, follow_from
 from mrts.motion.object_motion import ObjectMotion
 
 MOST_TRACKS = 16

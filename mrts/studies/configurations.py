@@ -13,9 +13,8 @@ from mrts.base.arrays import Array
 from mrts.base.json_output import JsonOutput
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, CollisionModel
-from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
-from mrts.following.tracking import OUT_OF_REACH, TrackedVariants, TrackingFailure, follow_from
+from mrts.following.tracking import OUT_OF_REACH, TrackedVariants, TrackingFailure, branches_at_start, follow_from
 from mrts.limits.rows import row_labels
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
@@ -98,13 +97,17 @@ class ConfigurationStudy(JsonOutput):
         lost = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
         lines = [f"{self.combinations} configurations reach the end, by falling c²⁺"]
         lines[0] += f"; branches left out: {lost}:" if lost else ":"
+
+        def told(near: Clearance) -> str:
+            return "collides" if near.collides else f"{1e3 * near.distance:.3g} mm" if near.pair else "-"
+
         names = [*self.branches]
         near = f"  {'clearance':>10}" if any(one.clearance for one in self.ranked) else ""
         lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}{near}  limited at")
         for rank, configuration in enumerate(self.ranked[:rows], start=1):
             numbers = "  ".join(f"{branch.number:>8}" for branch in configuration.branches)
             c2 = f"{configuration.c2_upper:#.4g}" if np.isfinite(configuration.c2_upper) else "-"
-            near = "" if configuration.clearance is None else f"  {_clearance_text(configuration.clearance):>10}"
+            near = "" if configuration.clearance is None else f"  {told(configuration.clearance):>10}"
             lines.append(f"{rank:>4}  {numbers}  {c2:>9}{near}  {outcome(configuration)}")
         lines.append("\nbranches at t = 0 (rad, m; a line is a `posture` for the cell file):")
         for branches in self.branches.values():
@@ -232,10 +235,6 @@ def _evaluate(
     whole = CoordinatedMotion(motion, q, dq, ddq)
     near = None if bodies is None else bodies.clearance(whole)
     return Configuration(choice, admissible_range(cell, whole, options)[0].range, near)
-
-
-def _clearance_text(near: Clearance) -> str:
-    return "collides" if near.collides else f"{1e3 * near.distance:.3g} mm" if near.pair else "-"
 
 
 def outcome(configuration: Configuration) -> str:

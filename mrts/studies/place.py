@@ -21,8 +21,8 @@ from mrts.cell.cell import Cell
 from mrts.cell.number_paths import value_at
 from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
+from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
-from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
@@ -227,7 +227,10 @@ class LayoutSearch:
     def __init__(self, study: Study, between: float | None = None) -> None:
         self.study, self.between = study.at_hand(), between
         self.lower, self.upper = layout_bounds(study)
-        self.motion = _object_motion(study)
+        if isinstance(study.table, JointTable):
+            rule = "a table of joint motion fixes where the arms stand; give the object's motion."
+            raise InputError(study.path, rule, key="motion")
+        self.motion = study.table or sample_motion(MotionDescription(**study.motion))
         self.over: Callable[[], bool] = lambda: False
         self.found: list[PlayedLayout] = []
         self.failures: list[str] = []
@@ -431,12 +434,3 @@ def _nearest_given(study: Study) -> tuple[Array, bool]:
         off = max(off, float(np.max(np.abs(offset + factor * value - given))))
         values.append(value)
     return np.array(values), off <= SAME_PLACE
-
-
-def _object_motion(study: Study) -> ObjectMotion:
-    if study.table is None:
-        return sample_motion(MotionDescription(**study.motion))
-    if isinstance(study.table, ObjectMotion):
-        return study.table
-    rule = "a table of joint motion fixes where the arms stand; give the object's motion."
-    raise InputError(study.path, rule, key="motion")

@@ -284,7 +284,7 @@ def read_study(path: Path | str) -> Study:
     _check_question(path, described, cell)
     given = {"cell": _given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
     _angles_for_quaternions(given["cell"]["robots"], given["motion"])
-    poses, full = _is_path_of_poses(given["motion"]), cell_keys(cell)
+    poses, full = not (set(KINDS) - {"start", "waypoints"}) & set(given["motion"]), cell_keys(cell)
     for motors in (robot["motors"] for robot in full["robots"]):  # one number stands for all joints
         motors |= {key: motors[key][0] for key in ONE_FOR_ALL & motors.keys() if len({*motors[key]}) == 1}
     filled = {
@@ -386,10 +386,6 @@ def _filled_motion(given: dict[str, Any]) -> dict[str, Any]:
     filled = MotionDescription(**given).model_dump()
     filled["samples"] = filled["samples"] or DEFAULT_SAMPLES
     return {key: value for key, value in filled.items() if value is not None}
-
-
-def _is_path_of_poses(given: dict[str, Any]) -> bool:
-    return not (set(KINDS) - {"start", "waypoints"}) & set(given)
 
 
 def _table_content(table: ObjectMotion | JointTable) -> list[bytes]:

@@ -258,12 +258,8 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
     has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
     may_tilt = cell.plane is not None and not names.isdisjoint({"base_rpy", "grasp_rpy"})
-    return ideal and _of_joints_and_object(cell) and has_rows and not turned_in_tip and not may_tilt
-
-
-def _of_joints_and_object(cell: Cell) -> bool:
-    """Whether what it limits of the motion alone is of joints and of the object's frame."""
-    return not (cell.object_points or cell.carried or any(robot.point_limits for robot in cell.robots))
+    of_points = cell.object_points or cell.carried or any(robot.point_limits for robot in cell.robots)
+    return ideal and not of_points and has_rows and not turned_in_tip and not may_tilt
 
 
 class VariantBatch:

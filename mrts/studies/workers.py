@@ -136,16 +136,11 @@ def _dask_cluster(stack: ExitStack, scheduler: str) -> WorkerPool:
     except (OSError, ValueError) as error:
         rule = f"no Dask scheduler answers there: {error}. Start one, or name it as tcp://HOST:PORT."
         raise InputError("scheduler", rule, value=scheduler) from None
-    stack.callback(_uninterrupted, client.close)
+    stack.callback(held_interrupt()(client.close))
     if not client.nthreads():
         logger.warning("the cluster at %s has no workers: waiting for them", scheduler)
     submit = client.get_executor(pure=False).submit
     return WorkerPool(submit, lambda: sum(client.nthreads().values()), (distributed.scheduler.KilledWorker,))
-
-
-def _uninterrupted(close: Callable[[], None]) -> None:
-    with held_interrupt():
-        close()
 
 
 @contextmanager

@@ -7,7 +7,7 @@ import pytest
 from followed_motions import motion
 
 import mrts
-from mrts.following.branches import branches_at_start
+from mrts.following.tracking import branches_at_start
 
 pytestmark = pytest.mark.quick
 
