@@ -232,8 +232,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
 
 def carried_by_first(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> CoordinatedMotion:
     """The motion of the object that the first robot's tip carries, with the joints', each Shape (N, m)."""
-    motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0])
-    return CoordinatedMotion(motion, q, dq, ddq)
+    return unchecked_coordinated_motion(carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0]), q, dq, ddq)
 
 
 def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion) -> ObjectMotion:
@@ -244,14 +243,9 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion) -> Objec
     rates = np.zeros((2, len(time), 6))
     rates[..., cell.wrench_rows] = tip.velocity, tip.acceleration
     v, w, a, dw = (rate[:, part] @ robot.T_world_base.R.T for rate in rates for part in (slice(3), slice(3, 6)))
-    return ObjectMotion(
-        time,
-        tip.position - r,
-        rotation,
-        np.concatenate([v - cross(w, r), w], axis=1),
-        np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1),
-        smooth=False,
-    )
+    twist = np.concatenate([v - cross(w, r), w], axis=1)
+    acceleration = np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1)
+    return unchecked_object_motion(time, tip.position - r, rotation, twist, acceleration)
 
 
 def check_motion(cell: Cell, motion: ObjectMotion) -> None:

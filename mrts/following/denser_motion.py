@@ -187,7 +187,7 @@ def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
         if np.max(np.abs(there[:3] - known[own])) > SAME_COURSE * max(1.0, float(np.max(np.abs(known)))):
             return None
     position, rotation, twist, acceleration = (there[3:] for there in found)
-    return ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)
+    return unchecked_object_motion(time, position, rotation, twist, acceleration)
 
 
 def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:

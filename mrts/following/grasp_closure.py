@@ -28,7 +28,7 @@ from mrts.following.tracking import (
 )
 from mrts.kernel.tracking import OUT_OF_REACH, SINGULAR, closure_sizes
 from mrts.motion.joint_table import Source
-from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
 LARGEST_CLOSURE = 0.1
 """[m, rad]; hands that far from their grasps hold another object."""
@@ -246,14 +246,11 @@ def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
     carried = [carried_object(cell, index, time, tip) for index, tip in enumerate(tips)]
     first = carried[0].rotation
     off = [vectors_from_rotations(each.rotation @ first.transpose(0, 2, 1)) for each in carried]
-    return ObjectMotion(
-        time,
-        np.mean([each.position for each in carried], axis=0),
-        rotations_from_vectors(np.mean(off, axis=0)) @ first,
-        np.mean([each.twist for each in carried], axis=0),
-        np.mean([each.acceleration for each in carried], axis=0),
-        smooth=False,
+    position, twist, acceleration = (
+        np.mean([getattr(each, name) for each in carried], axis=0) for name in ("position", "twist", "acceleration")
     )
+    rotation = rotations_from_vectors(np.mean(off, axis=0)) @ first
+    return unchecked_object_motion(time, position, rotation, twist, acceleration)
 
 
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
