@@ -27,9 +27,7 @@ from mrts.motion.joint_recording import JointRecording as JointRecording
 from mrts.motion.joint_recording import RecordedJoint as RecordedJoint
 from mrts.motion.joint_recording import load_recording as load_recording
 from mrts.motion.joint_table import JointTable as JointTable
-from mrts.motion.motion_file import MotionDescription as MotionDescription
 from mrts.motion.motion_file import load_motion as load_motion
-from mrts.motion.motion_file import sample_motion as sample_motion
 from mrts.motion.object_motion import ObjectMotion as ObjectMotion
 from mrts.output.ros_bag import write_ros_bag as write_ros_bag
 from mrts.output.saved_result import load_result as load_result

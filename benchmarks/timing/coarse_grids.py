@@ -27,6 +27,7 @@ import mrts
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.motion.joint_table import JointTable, joint_motion
+from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.timing.path_pieces import NoPath, path_pieces
 from mrts.timing.retimed_motion import FastestPiece
@@ -203,9 +204,7 @@ def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, 
     given: dict[str, Any] = {"waypoints": poses, "duration": LAST, "profile": "quintic"}
 
     def followed(samples: int) -> mrts.CoordinatedMotion:
-        return mrts.follow_object(
-            cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given | {"samples": samples}))
-        )
+        return mrts.follow_object(cell, sample_motion(MotionDescription.model_validate(given | {"samples": samples})))
 
     try:
         fine, motion = followed(len(FINE)), followed(POINTS)

@@ -124,7 +124,7 @@ class PlayedTables:
     def stops(self, states: NDArray[Any], dt: float) -> tuple[Array, Array]:
         """Time until the cell stands still, infinite where it does not, and where on the plan, each Shape (k,) [s]."""
         seconds, stands = np.zeros((2, len(states)))
-        self.library.mrts.override.speed_override(self.c, len(states), states, dt, seconds, stands)
+        self.library.mrts_override_stops(self.c, len(states), states, dt, seconds, stands)
         return np.where(seconds < INFINITY, seconds, np.inf), stands
 
     def starts(self) -> NDArray[Any]:

@@ -31,7 +31,7 @@ FUNCTIONS = [name for name in mrts.__all__ if inspect.isfunction(getattr(mrts, n
 WRITERS = {"write_plot": write_plot, "write_plots": write_plots}
 """Public functions that are not of `mrts` itself: their packages are extras."""
 
-BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "MotionDescription", "ObjectMotion")
+BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "ObjectMotion")
 """Classes that a user builds; the others come out of functions."""
 
 
@@ -48,8 +48,7 @@ count: 2
 def good(planar_cell):
     """Arguments of everything public with which it works."""
     poses = {"start": {"xyz": [1.25, 0.95, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
-    description = mrts.MotionDescription(**poses, duration=1.0, samples=11, profile="cubic")
-    motion = mrts.sample_motion(description)
+    motion = mrts.load_motion(poses | {"duration": 1.0, "samples": 11, "profile": "cubic"})
     result = mrts.scale(planar_cell, motion)
     whole = result.motion
     box = planar_cell.with_variation(mass=(0.5, 2.0)).load_box
@@ -97,7 +96,6 @@ def good(planar_cell):
         "read_study": {"path": UR5 / "study.yaml"},
         "read_study_folder": {"path": "swept"},
         "retime": search | plan | smooth,
-        "sample_motion": {"description": description},
         "save_result": {"result": result, "path": "saved.npz"},
         "scale": search | with_solver | plan | {"select": "auto", "formulation": "wrench", "rates": False},
         "sweep": {"study": study, "folder": "swept", "workers": 1, "scheduler": None, "top": 0}
@@ -111,7 +109,6 @@ def good(planar_cell):
         "ClosureBound": {"position": 1e-3, "rotation": None},
         "CoordinatedMotion": joints | {"remarks": ()},
         "LoadBox": {"mass": 1.0, "inertia": np.eye(3), "ranges": {"mass": (0.5, 2.0)}, "outer_hull": False},
-        "MotionDescription": poses | {"duration": 1.0, "samples": 11, "profile": "cubic"},
         "ObjectMotion": objects | {"smooth": True},
         "Cell.with_load": {"self": planar_cell, "load": planar_cell.load},
         "Cell.with_variation": {"self": planar_cell, "outer_hull": False, "mass": (0.5, 2.0)},

@@ -5,6 +5,7 @@ from pathlib import Path
 import yaml
 
 import mrts
+from mrts.motion.motion_file import MotionDescription, sample_motion
 
 DATA = Path(mrts.__file__).parent / "data"
 
@@ -45,7 +46,7 @@ def shipped_motion(name="planar_dual_arm", **keys):
 
 def sampled(keys):
     """The motion of the keys of a motion file."""
-    return mrts.sample_motion(mrts.MotionDescription.model_validate(keys))
+    return sample_motion(MotionDescription.model_validate(keys))
 
 
 def still_motion(xyz, **keys):

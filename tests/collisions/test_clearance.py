@@ -14,6 +14,7 @@ from conftest import ROOT
 import mrts
 from mrts.collisions.clearance import RESOLUTION, SHARE, CollisionModel
 from mrts.following.coordinate import coordinate
+from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.starting.check import check
 from mrts.studies.variant_rows import solve_variants
 
@@ -34,7 +35,7 @@ def described(surroundings=(), **of_object):
 def lifting(**keys):
     """Straight up from where the arms of the shipped cell begin, by 0.2 m."""
     given = {"duration": 1.0, "samples": 101, "profile": "quintic", "start": {"xyz": [0, 0.1, 0.35]}}
-    return mrts.sample_motion(mrts.MotionDescription(**(given | {"end": {"xyz": [0, 0.1, 0.55]}} | keys)))
+    return sample_motion(MotionDescription(**(given | {"end": {"xyz": [0, 0.1, 0.55]}} | keys)))
 
 
 def box(name, sides, xyz):

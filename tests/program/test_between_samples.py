@@ -11,6 +11,7 @@ from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
 from shipped_cells import sampled, shipped_motion
 
 import mrts
+from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.program.excess import BETWEEN
 
 DRAWN = int(os.environ.get("BETWEEN_MOTIONS", "10"))
@@ -87,12 +88,12 @@ def test_jumps_of_acceleration_are_found_at_any_number_of_samples(redundant):
 @pytest.mark.parametrize("load", ["guaranteed", "grid:3"])
 def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, load):
     cell = dual_ur5.with_variation(mass=(0.5, 1.5))
-    path = mrts.MotionDescription(
+    path = MotionDescription(
         duration=0.8, samples=15, profile="sinusoid", start={"xyz": [0, 0.1, 0.35]}, end={"xyz": [0.05, 0.25, 0.5]}
     )
-    found = mrts.scale(cell, mrts.sample_motion(path), load=load)
+    found = mrts.scale(cell, sample_motion(path), load=load)
     assert found.motion.samples > 15 or found.excess.share > 0
-    dense = mrts.sample_motion(path.model_copy(update={"samples": 701}))
+    dense = sample_motion(path.model_copy(update={"samples": 701}))
     loads = [point.load for point in found.load.points]
     assert dense_excess(cell, dense, found.trajectory.c2, loads) <= BETWEEN
     assert all(len(of_load.samples.time) == found.motion.samples for of_load in found.load.ranges)
@@ -104,8 +105,8 @@ def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, loa
 def test_a_coarse_table_of_joints_says_that_its_splines_are_ours(cells, tmp_path):
     """21 rows around a corner, 64 samples on their splines: told by how much c²⁺ is less than at the samples."""
     cell = cells[0]
-    path = mrts.MotionDescription(duration=0.8, profile="quintic", samples=21, waypoints=corner_of(cell, steps=2))
-    followed = mrts.follow_object(cell, mrts.sample_motion(path))
+    path = MotionDescription(duration=0.8, profile="quintic", samples=21, waypoints=corner_of(cell, steps=2))
+    followed = mrts.follow_object(cell, sample_motion(path))
     write_table(tmp_path / "joints.csv", columns_of(cell, followed, ("q",)), ".15g")
     (tmp_path / "motion.yaml").write_text("joints: joints.csv\nsamples: 30\n")
     found = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"))

@@ -9,6 +9,7 @@ import yaml
 
 import mrts
 from mrts.base.arrays import Array
+from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.studies.place import LayoutSearch
 
 DATA = Path(mrts.__file__).parent / "data"
@@ -35,7 +36,7 @@ class Layouts:
     def of(cls, path: Path) -> "Layouts":
         """Those of a study file."""
         study = mrts.read_study(path)
-        return cls(study, mrts.sample_motion(mrts.MotionDescription(**study.motion)))
+        return cls(study, sample_motion(MotionDescription(**study.motion)))
 
     def result(self, values: Array) -> mrts.ScalingResult:
         """What `mrts.scale` finds of a layout, at the samples alone."""

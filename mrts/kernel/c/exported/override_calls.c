@@ -43,7 +43,7 @@ MRTS_EXPORT int mrts_override_resume(const cell_plan *plan, const double *q, dou
 }
 
 /* Of each state the seconds until it stands still, and where. */
-MRTS_EXPORT void mrts.override.speed_override(const cell_plan *plan, long long count, const cell_override *states, double dt,
+MRTS_EXPORT void mrts_override_stops(const cell_plan *plan, long long count, const cell_override *states, double dt,
                                      double *seconds, double *stands) {
     for (long long k = 0; k < count; ++k) seconds[k] = cell_override_stop_time(plan, states + k, dt, stands + k);
 }
