@@ -227,7 +227,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
         for robot, start in others
         if start
     )
-    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
+    return unchecked_coordinated_motion(motion, q, dq, ddq, None, motion.remarks + remarks)
 
 
 def carried_by_first(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> CoordinatedMotion:

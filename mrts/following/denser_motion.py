@@ -73,7 +73,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     tips = [] if known else tip_motions(cell, q, dq, ddq)
     target = known or carried_object(cell, 0, at, tips[0])
-    rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]))
+    rough = unchecked_coordinated_motion(target, q, dq, ddq, _travel(motion, dq, [0, -1]))
     if holds(cell, rough, (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP) or not _closed(cell, motion):
         return rough
     target = known or mean_object(cell, at, tips)
@@ -82,7 +82,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
         dq, ddq = nearest_rates(cell, target, q, dq, ddq)
     except MotionError as error:
         raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
-    return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel)
+    return unchecked_coordinated_motion(target, q, dq, ddq, rough.travel)
 
 
 def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[np.intp]) -> CoordinatedMotion:

@@ -15,7 +15,13 @@ from mrts.base.manifest import GEOMETRY
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, TipMotion, carried_object, tip_motions
+from mrts.following.coordinated_motion import (
+    CoordinatedMotion,
+    TipMotion,
+    carried_object,
+    tip_motions,
+    unchecked_coordinated_motion,
+)
 from mrts.following.tracking import (
     CONDITION_LIMIT,
     POSE_TOLERANCE,
@@ -188,7 +194,8 @@ def close_chain(
     _check_regular(cell, target.time, q)
     dq, ddq = nearest_rates(cell, target, q, given.dq, given.ddq)
     moved = float(np.max(np.abs(q - given.q)))
-    return CoordinatedMotion(target, q, dq, ddq, remarks + _correction(cell, gaps, bound, moved))
+    told = remarks + _correction(cell, gaps, bound, moved)
+    return unchecked_coordinated_motion(target, q, dq, ddq, None, told)
 
 
 def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:

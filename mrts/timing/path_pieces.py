@@ -365,10 +365,10 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
     whole = with_samples(cell, motion, added)
     chosen = np.isin(whole.object.time, np.concatenate([added, given[kept]]))
     of, names = whole.object, ("time", "position", "rotation", "twist", "acceleration")
-    carried = replace(of, **{name: getattr(of, name)[chosen] for name in names}, smooth=False, remarks=())
+    carried = unchecked_object_motion(*(getattr(of, name)[chosen] for name in names), course=of.course)
     travel = None if whole.travel is None else whole.travel[:, chosen]
     joints = (whole.q[chosen], whole.dq[chosen], whole.ddq[chosen])
-    return CoordinatedMotion(carried, *joints, travel=travel, course=whole.course)
+    return unchecked_coordinated_motion(carried, *joints, travel, (), whole.course)
 
 
 def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
