@@ -33,6 +33,7 @@ from mrts.program.solvers import DEFAULT_SOLVER, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, fastest_pieces, new_times
 
