@@ -29,7 +29,7 @@ from mrts.base.errors import MotionError
 from mrts.motion.joint_table import JointTable, joint_motion
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.velocity_profile import PROFILES
-from mrts.timing.path_pieces import NoPath, path_pieces
+from mrts.timing.path_pieces import PathError, path_pieces
 from mrts.timing.retimed_motion import FastestPiece
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -208,9 +208,8 @@ def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, 
 
     try:
         fine, motion = followed(len(FINE)), followed(POINTS)
-    except MotionError:
-        return None
-    if isinstance(path_pieces(motion), NoPath):
+        path_pieces(motion)
+    except (MotionError, PathError):
         return None
     share = PROFILES["quintic"](FINE)[0]
     kept = np.unique(np.searchsorted(share, np.linspace(0, 1, KNOTS)).clip(max=len(share) - 1))

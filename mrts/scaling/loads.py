@@ -324,9 +324,9 @@ def _searched(
 class LoadSearch:
     """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
 
-    Unknowns are those of the linear program and the uncertain parameters as shares s in [0, 1] of their ranges: rows
-    read A x + (a + Σ_j s_j a_j) c² + b c + Σ_j s_j o_j, exactly, as they are affine in the load. IPOPT (Wächter and
-    Biegler, 2006) finds a local optimum from each start. Where some row has a term b in c, c is the unknown, else c².
+    Unknowns are those of the linear program with c for c², and the uncertain parameters as shares s in [0, 1] of their
+    ranges: rows read A x + (a + Σ_j s_j a_j) c² + b c + Σ_j s_j o_j, exactly, as they are affine in the load. IPOPT
+    (Wächter and Biegler, 2006) finds a local optimum from each start.
 
     Args:
         problem: Rows with every parameter at its least value.
@@ -335,75 +335,57 @@ class LoadSearch:
 
     def __init__(self, problem: SampleProblem, others: Sequence[SampleProblem]) -> None:
         _, rows, unknowns = problem.A.shape
-        p = len(others)
+        self.free, self.p = unknowns - 1, len(others)
         change = np.array([other.square - problem.square for other in others])
         upper = np.isfinite(problem.upper)
         finite = np.where(upper, problem.upper, problem.lower)  # limits move opposite to the offset of their row
         self.do = np.array([finite - np.where(upper, other.upper, other.lower) for other in others])
         effect = np.maximum(problem.effect(caps=True), np.max(np.abs(change), axis=(0, 2), initial=0.0))
         self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
-        self.b = None if problem.speed is None else problem.speed * np.sqrt(self.unit)[:, None]
+        root = np.zeros_like(problem.lower) if problem.speed is None else problem.speed
+        self.b = root * np.sqrt(self.unit)[:, None]
         size = np.max(np.abs(problem.free), axis=1, initial=0.0)
         self.A = problem.free / np.where(size > NO_EFFECT, size, 1.0)[:, None, :]
         self.a, self.da = problem.square * self.unit[:, None], change * self.unit[:, None]
         self.lower, self.upper = problem.lower, problem.upper
         import casadi as ca  # noqa: PLC0415 (only here: this is the nonlinear program)
 
-        x, y, s = ca.SX.sym("x", unknowns - 1), ca.SX.sym("y"), ca.SX.sym("s", p)
-        A, a = ca.SX.sym("A", rows, unknowns - 1), ca.SX.sym("a", rows)
-        da, do, sign = ca.SX.sym("da", rows, p), ca.SX.sym("do", rows, p), ca.SX.sym("sign")
-        b = ca.SX.sym("b", 0 if self.b is None else rows)
-        square = y if self.b is None else y**2
+        x, c, s = ca.SX.sym("x", self.free), ca.SX.sym("c"), ca.SX.sym("s", self.p)
+        A, a, b = ca.SX.sym("A", rows, self.free), ca.SX.sym("a", rows), ca.SX.sym("b", rows)
+        da, do, sign = ca.SX.sym("da", rows, self.p), ca.SX.sym("do", rows, self.p), ca.SX.sym("sign")
         program = {
-            "x": ca.vertcat(x, y, s),
-            "f": sign * y,
-            "g": A @ x + (a + da @ s) * square + do @ s + (0 if self.b is None else b * y),
-            "p": ca.vertcat(ca.vec(A), a, ca.vec(da), ca.vec(do), b, sign),
+            "x": ca.vertcat(x, c, s),
+            "f": sign * c,
+            "g": A @ x + (a + da @ s) * c**2 + b * c + do @ s,
+            "p": ca.vertcat(ca.vec(A), a, b, ca.vec(da), ca.vec(do), sign),
         }
         self.solve = ca.nlpsol("possible_load", "ipopt", program, IPOPT_OPTIONS)
-        self.free, self.p = unknowns - 1, p
 
     def best(self, sample: int, side: Side, known: SampleRanges, corner: Array) -> tuple[Array, float, bool]:
         """Shares of the parameters, c² and whether IPOPT converged, from a corner and from the middle of the box."""
         sign = 1.0 if side == "lower" else -1.0
         end = float((known.lower if side == "lower" else known.upper)[sample])
-        start_y = end / float(self.unit[sample]) if np.isfinite(end) else 1.0
-        shares, c2, success = np.zeros(self.p), sign * np.inf, False
-        for start in (corner, np.full(self.p, 0.5)):
+        start = np.sqrt(end / self.unit[sample]) if np.isfinite(end) else 1.0
+        found = []
+        for s in (corner, np.full(self.p, 0.5)):
             with held_interrupt():
-                s, value, solved = self._from(sample, sign, start_y, start)
-            better = sign * value < sign * c2
-            if (solved and (better or not success)) or (not success and better):
-                shares, c2 = s, value
-            success |= solved
-        return shares, c2, success
+                found.append(self._from(sample, sign, start, s))
+        return min(found, key=lambda one: (not one[2], sign * one[1]))
 
-    def _from(self, sample: int, sign: float, y: float, s: Array) -> tuple[Array, float, bool]:
-        target = np.clip(0.0, self.lower[sample], self.upper[sample])
-        rest = (self.a[sample] + s @ self.da[:, sample]) * y + s @ self.do[:, sample]
-        largest, of_speed = UNBOUNDED, np.zeros(0)
-        if self.b is not None:
-            y, largest, of_speed = float(np.sqrt(y)), float(np.sqrt(UNBOUNDED)), self.b[sample]
-            rest = rest + of_speed * y
-        x = np.linalg.lstsq(self.A[sample], target - rest, rcond=None)[0]
+    def _from(self, sample: int, sign: float, c: float, s: Array) -> tuple[Array, float, bool]:
+        A, a, b, lower, upper = (of[sample] for of in (self.A, self.a, self.b, self.lower, self.upper))
+        da, do = self.da[:, sample], self.do[:, sample]
+        rest = (a + s @ da) * c**2 + b * c + s @ do
+        x = np.linalg.lstsq(A, np.clip(0.0, lower, upper) - rest, rcond=None)[0]
         found = self.solve(
-            x0=np.concatenate([x, [y], s]),
-            p=np.concatenate(
-                [
-                    self.A[sample].ravel(order="F"),
-                    self.a[sample],
-                    self.da[:, sample].ravel(),
-                    self.do[:, sample].ravel(),
-                    of_speed,
-                    [sign],
-                ]
-            ),
+            x0=np.concatenate([x, [c], s]),
+            p=np.concatenate([A.ravel(order="F"), a, b, da.ravel(), do.ravel(), [sign]]),
             lbx=np.concatenate([np.full(self.free, -np.inf), np.zeros(1 + self.p)]),
-            ubx=np.concatenate([np.full(self.free, np.inf), [largest], np.ones(self.p)]),
-            lbg=self.lower[sample],
-            ubg=self.upper[sample],
+            ubx=np.concatenate([np.full(self.free, np.inf), [np.sqrt(UNBOUNDED)], np.ones(self.p)]),
+            lbg=lower,
+            ubg=upper,
         )
         z = found["x"].full()[:, 0]
         shares = np.clip(np.nan_to_num(z[self.free + 1 :], nan=0.5), 0.0, 1.0)
-        value = float(z[self.free] if self.b is None else z[self.free] ** 2) * float(self.unit[sample])
-        return shares, value if np.isfinite(value) else sign * np.inf, bool(self.solve.stats()["success"])
+        c2 = float(z[self.free] ** 2 * self.unit[sample])
+        return shares, c2 if np.isfinite(c2) else sign * np.inf, bool(self.solve.stats()["success"])

@@ -23,7 +23,7 @@ from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
-from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
+from mrts.timing.path_pieces import PathError, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece, fastest_pieces
 from mrts.timing.speed_regions import SpeedRegions, intersect_regions, speed_regions
@@ -68,10 +68,10 @@ def fastest_timing(
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
     untimed = RetimingResult(cell, motion, asked.given, asked.options, loads=loads, end_speeds=end_speeds)
-    pieces = path_pieces(motion)
-    if isinstance(pieces, NoPath):
-        status, why = _no_path(pieces, motion.object.time)
-        return replace(untimed, status=status, explanation=why)
+    try:
+        pieces = path_pieces(motion)
+    except PathError as error:
+        return replace(untimed, status=RetimingStatus(error.kind), explanation=str(error))
     rests = (pieces[0].rests[0], pieces[-1].rests[1])
     for name, speed, at_rest in zip(("start_speed", "end_speed"), end_speeds, rests, strict=True):
         if speed > 0 and at_rest:
@@ -86,21 +86,6 @@ def fastest_timing(
             return found
         timed.append(found)
     return replace(untimed, pieces=tuple(timed))
-
-
-def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
-    if found.kind == "zero length":
-        return RetimingStatus.ZERO_LENGTH, "neither the object nor a joint moves: the path has no length."
-    where = f"from t = {time[found.sample]:.6g} to {time[found.sample + 1]:.6g} s"
-    if found.kind == "wait":
-        return RetimingStatus.STATIONARY, (
-            f"the motion stands still {where}: a wait is no part of a path. Cut it out, or retime what is before and "
-            "after it by themselves."
-        )
-    return RetimingStatus.STATIONARY, (
-        f"the motion turns back on itself {where}, so it stops between two samples. Give a sample at the turning "
-        "point, or retime what is before and after it by themselves."
-    )
 
 
 @dataclass(frozen=True)

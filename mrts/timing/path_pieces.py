@@ -15,7 +15,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, row_products
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, MrtsError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import between_samples, denser
@@ -103,44 +103,49 @@ class PathPiece:
         return rate
 
 
-@dataclass(frozen=True)
-class NoPath:
-    """Why a motion is no path that can be timed.
+class PathError(MrtsError):
+    """A motion is no path that can be timed.
 
     Attributes:
-        kind: "zero length", "wait" (at rest over a whole segment) or "turn" (back on itself between two samples).
-        sample: Start of the segment.
+        kind: "zero length", or "stationary" where it stands still or turns back between two samples.
     """
 
-    kind: Literal["zero length", "wait", "turn"]
-    sample: int
+    def __init__(self, message: str, kind: Literal["zero length", "stationary"] = "stationary") -> None:
+        super().__init__(message)
+        self.kind = kind
 
 
-def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
+def path_pieces(motion: CoordinatedMotion) -> list[PathPiece]:
     """Cut a motion at its stops and take the timing out of it: σ is the arc length.
 
     s is the arc length of the joints' path, ds = |q'| dr with |q'| the root mean square over the joints: unlike the
     given time it is regular where a motion starts from rest, and a constant acceleration is a constant s̈.
 
     Raises:
+        PathError: If the motion stands still over a segment, or turns back inside one.
         InputError: If numbers of floating point do not hold the path.
     """
     speed = _root_mean_square(motion.dq)
     fastest = float(np.max(speed))
-    if fastest == 0:
-        return NoPath("zero length", 0)
     rest = speed <= REST * fastest
-    waits = np.flatnonzero(rest[1:] & rest[:-1])
-    if waits.size:
-        return NoPath("zero length" if np.all(rest) else "wait", int(waits[0]))
+    if np.all(rest):
+        raise PathError("neither the object nor a joint moves: the path has no length.", "zero length")
+    for wait in np.flatnonzero(rest[1:] & rest[:-1])[:1].tolist():
+        raise _waiting(motion, wait)
     cuts = [0, *(np.flatnonzero(rest[1:-1]) + 1).tolist(), motion.samples - 1]
-    pieces = []
-    for first, last in pairwise(cuts):
-        piece = _piece(motion, first, last, speed, rest, fastest)
-        if isinstance(piece, NoPath):
-            return piece
-        pieces.append(piece)
-    return pieces
+    return [_piece(motion, first, last, speed, rest, fastest) for first, last in pairwise(cuts)]
+
+
+def _waiting(motion: CoordinatedMotion, segment: int) -> PathError:
+    return PathError(
+        f"the motion stands still {_on_segment(motion, segment)}: a wait is no part of a path. Cut it out, or retime "
+        "what is before and after it by themselves."
+    )
+
+
+def _on_segment(motion: CoordinatedMotion, segment: int) -> str:
+    start, end = motion.object.time[segment : segment + 2].tolist()
+    return f"from t = {start:.6g} to {end:.6g} s"
 
 
 def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> CoordinatedMotion:
@@ -155,14 +160,14 @@ def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> Coordin
 
 def _piece(
     motion: CoordinatedMotion, first: int, last: int, all_speeds: Array, rest: NDArray[np.bool_], fastest: float
-) -> PathPiece | NoPath:
+) -> PathPiece:
     part = slice(first, last + 1)
     given, speed, q, dq, ddq = motion.object, all_speeds[part], motion.q[part], motion.dq[part], motion.ddq[part]
     moves = speed > NEAR_REST * fastest
     if not np.any(moves):
         moves = speed > REST * fastest
     if not np.any(moves):
-        return NoPath("wait", first)
+        raise _waiting(motion, first)
     growth = row_products(dq, ddq) / q.shape[1] / np.where(speed > 0, speed, 1.0)
     for place, sign in ((0, 1.0), (-1, -1.0)):
         if rest[part][place]:
@@ -193,7 +198,11 @@ def _piece(
     s = np.concatenate([[0.0], np.cumsum(step)])
     back = (row_products(direction[1:], direction[:-1]) <= 0) | (step <= 0)
     if np.any(back):
-        return NoPath("turn", first + int(np.argmax(back)))
+        where = _on_segment(motion, first + int(np.argmax(back)))
+        raise PathError(
+            f"the motion turns back on itself {where}, so it stops between two samples. Give a sample at the turning "
+            "point, or retime what is before and after it by themselves."
+        )
     if not (np.all(np.diff(s) > 0) and all(np.all(np.isfinite(of)) for of in (s[-1], bend, change))):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
@@ -342,17 +351,14 @@ def stops(piece: PathPiece, end_speeds: tuple[float, float]) -> tuple[bool, bool
     return start, end
 
 
-def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float]) -> CoordinatedMotion | NoPath:
+def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float]) -> CoordinatedMotion:
     """The same motion at nodes that are evenly spaced in σ, as many as it has samples but not too few.
 
     Raises:
         MotionError: If the arms cannot hold the object there.
     """
-    pieces = path_pieces(motion)
-    if isinstance(pieces, NoPath):
-        return pieces
     given, times, kept = motion.object.time, [], [0]
-    for piece in pieces:
+    for piece in path_pieces(motion):
         n, s = len(piece.speed), piece.arc
         time = given[piece.first : piece.first + n]
         places = np.linspace(0, 1, max(n, LEAST_NODES))[1:-1]

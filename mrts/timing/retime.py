@@ -32,7 +32,7 @@ from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.path_pieces import NoPath, smooth_nodes
+from mrts.timing.path_pieces import smooth_nodes
 from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
 from mrts.timing.retimed_motion import fastest_pieces, new_times, retimed_motion, smooth_pieces
 from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
@@ -134,8 +134,6 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     bare = question.bare
     constant = question.constant
     nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
-    if isinstance(nodes, NoPath):
-        return bare
 
     def again(motion: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
         return smooth_timing(question, motion, before.pieces, progress)

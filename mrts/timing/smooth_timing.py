@@ -27,7 +27,6 @@ from mrts.scaling.result import ScalingResult
 from mrts.timing.path_pieces import (
     PLACES,
     STRIDE,
-    NoPath,
     SmoothPath,
     closed_piece,
     joined_at_stops,
@@ -167,10 +166,7 @@ def smooth_timing(
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part]:
     cell, time, loads = question.bare.cell, motion.object.time, question.bare.loads
     fine = with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
-    found = path_pieces(fine)
-    if isinstance(found, NoPath):
-        raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
-    pieces = [closed_piece(cell, piece) for piece in found]
+    pieces = [closed_piece(cell, piece) for piece in path_pieces(fine)]
     usual = question.usual / float(time[-1])
     paths = joined_at_stops([smooth_path(motion, piece, question.bare.end_speeds, usual) for piece in pieces])
     parts: list[_Part] = []
