@@ -57,7 +57,7 @@ def questions(samples: int) -> dict[str, Callable[[], Any]]:
     from cases import along, one_arm, one_arm_path, shipped  # noqa: PLC0415 (likewise)
 
     import mrts  # noqa: PLC0415 (of the state that this worker is of)
-    from mrts.program.excess import BETWEEN  # noqa: PLC0415 (likewise)
+    from mrts.program.between_samples import BETWEEN  # noqa: PLC0415 (likewise)
     from mrts.scaling.options import Options  # noqa: PLC0415 (likewise)
     from mrts.scaling.scale import admissible_range  # noqa: PLC0415 (likewise)
     from mrts.timing.between_samples import excess_between  # noqa: PLC0415 (likewise)

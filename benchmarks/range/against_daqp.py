@@ -17,10 +17,10 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.programs import compiled_programs
-from mrts.program.convex_program import ConvexPrograms
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import UNBOUNDED
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.solvers import ConvexPrograms
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import shipped

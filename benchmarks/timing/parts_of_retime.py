@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 import mrts
-from mrts.program.excess import BETWEEN
+from mrts.program.between_samples import BETWEEN
 from mrts.timing.between_samples import excess_between
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -136,7 +137,11 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
     @property
     def posture(self) -> Array:
         """Of all robots, Shape (m,) [rad or m]."""
-        return np.concatenate([robot.posture for robot in self.robots])
+        return self.stacked("posture")
+
+    def stacked(self, name: str) -> Array:
+        """An array of all robots, one after the other, such as "torque_lower" or "motors.jerk"."""
+        return np.concatenate([*map(attrgetter(name), self.robots)])
 
     @cached_property
     def joint_slices(self) -> dict[str, slice]:

@@ -13,7 +13,7 @@ from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, check_source
 from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.c_text import SELDOM, cell_source, function_source, motion_source
-from mrts.kernel.cell_library import CellLibrary, MotionLibrary
+from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 
 MAKE_AGAIN = "Make C file and manifest again: `mrts generate`."
@@ -31,7 +31,7 @@ class CellFunctions:
     """
 
     def __init__(
-        self, manifest: CellManifest, bind: Callable[[], MotionLibrary], origin: str | dict[str, Any] | Path
+        self, manifest: CellManifest, bind: Callable[[], CellLibrary], origin: str | dict[str, Any] | Path
     ) -> None:
         self.manifest, self.bind, self.origin = manifest, bind, origin
         self._geometry: Array | None = None
@@ -63,13 +63,12 @@ class CellFunctions:
     @property
     def library(self) -> CellLibrary:
         """The cell's library."""
-        library = None if isinstance(self.origin, dict) else self.motion_library
-        if not isinstance(library, CellLibrary):
+        if isinstance(self.origin, dict):
             raise CompilerError(f"cell '{self.manifest.cell.name}' is not compiled: load it with mrts.load_cell.")
-        return library
+        return self.motion_library
 
     @cached_property
-    def motion_library(self) -> MotionLibrary:
+    def motion_library(self) -> CellLibrary:
         """What follows: the cell's library, or, where nothing else was compiled, one that does only that."""
         return self.bind()
 
@@ -127,9 +126,9 @@ def uncompiled_functions(manifest: CellManifest, functions: dict[str, Any]) -> C
     """CasADi's functions of a motion: a library of them is compiled when one is asked for, in a tenth of the time."""
 
     @cache
-    def bind() -> MotionLibrary:
+    def bind() -> CellLibrary:
         text = motion_source(manifest, emitted(functions))
-        return library_or_rebuilt(find_compiler(), "motion", text, partial(MotionLibrary, manifest))
+        return library_or_rebuilt(find_compiler(), "motion", text, partial(CellLibrary, manifest, motion_only=True))
 
     return CellFunctions(manifest, bind, functions)
 

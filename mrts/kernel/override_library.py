@@ -14,11 +14,7 @@ from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 
 
 def override_library(manifest: Manifest, generated: str) -> ctypes.CDLL:
-    """The functions of override_calls.c for a cell, compiled unless the cache holds them.
-
-    Raises:
-        CompilerError: If there is no C compiler, or it fails.
-    """
+    """The functions of override_calls.c for a cell, compiled unless the cache holds them."""
     return library_or_rebuilt(find_compiler(), "override", override_source(manifest, generated), _bound)
 
 

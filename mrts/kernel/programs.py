@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.binding import bind
+from mrts.kernel.binding import INFINITY, bind, work_arrays
 from mrts.kernel.c_text import PROGRAM_FILES, programs_source
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
-from mrts.kernel.foreign_arrays import INFINITY, work_arrays
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
@@ -21,14 +20,7 @@ OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 
 
 class Programs:
-    """The programs of a library that holds them, its own or a cell's.
-
-    Args:
-        library: The library.
-
-    Raises:
-        AttributeError: If it lacks a function.
-    """
+    """The programs of a library that holds them, its own or a cell's; AttributeError where it lacks one."""
 
     def __init__(self, library: ctypes.CDLL) -> None:
         self._library = bind(library, PROGRAM_FILES)
@@ -42,12 +34,8 @@ class Programs:
     ) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Minimise ½ xᵀHx + gᵀx in every program of a batch.
 
-        Args:
-            H: Positive definite, Shape (N, k, k).
-            g: Shape (N, k).
-            A: Shape (N, r, k).
-            lower: Of the rows and then the unknowns, Shape (N, r + k).
-            upper: Likewise.
+        H has Shape (N, k, k) and is positive definite, g (N, k), A (N, r, k), the limits of rows and then unknowns
+        (N, r + k).
 
         Returns:
             Minimisers, Shape (N, k), multipliers of rows and unknowns, Shape (N, r + k), positive at an upper limit,
@@ -60,13 +48,8 @@ class Programs:
     ) -> tuple[Array, Array, Array, Array, NDArray[np.uint8]]:
         """The highest interval of speeds c <= most of every sample, whose rows have a term in c beside one in c².
 
-        Args:
-            A: Rows over k unknowns, c² last, each multiplied by its `column`, Shape (N, r, k).
-            lower: Of the rows, Shape (N, r).
-            upper: Likewise.
-            column: Scales of the unknowns, Shape (N, k).
-            speed: What c = 1 adds to the rows, Shape (N, r).
-            most: Largest c², infinity where it is not bounded, Shape (N,).
+        A, Shape (N, r, k), has c² last and each unknown multiplied by its `column`, Shape (N, k). The limits and what
+        c = 1 adds to the rows, `speed`, have Shape (N, r). `most` is the largest c², infinity for any, Shape (N,).
 
         Returns:
             Least and largest c², infinity where nothing bounds it, one in the gap below, 0 where there is none, each
@@ -95,13 +78,9 @@ class Programs:
     ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
         """Project every polytope of a batch onto its last two unknowns, from inside.
 
-        Args:
-            A: Shape (N, r, k).
-            lower: Of the rows, Shape (N, r).
-            upper: Likewise.
-            scale: By which the columns of A are multiplied first, Shape (N, k).
-            bounds: Least and largest values of the last two unknowns, finite, Shape (N, 2) each.
-            rows: Those that count, Shape (s,); None takes all.
+        A has Shape (N, r, k), its limits (N, r). `scale` is what its columns are multiplied by first, Shape (N, k),
+        `bounds` the least and largest values of the last two unknowns, finite, Shape (N, 2) each. Rows that count are
+        all, or `rows`, Shape (s,).
 
         Returns:
             Numbers of corners, Shape (N,), 0 where there is no projection; the corners of all, those of each counter-
@@ -154,13 +133,8 @@ class Programs:
     ) -> int:
         """Shrink bounds of x to the controllable sets, from the last sample back to the first.
 
-        Args:
-            step: Length of each segment, Shape (n - 1,).
-            rise: By how much u rises along each segment, Shape (n - 1,).
-            start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (n + 1,).
-            planes: Shape (E, 3).
-            lower: Least x; changed in place, Shape (n,).
-            upper: Largest x; changed in place, Shape (n,).
+        `step` is the length of each segment and `rise` by how much u rises along it, Shape (n - 1,); `start` and
+        `planes` are those of `half_planes`. The bounds `lower` and `upper`, Shape (n,), are changed in place.
 
         Returns:
             The sample that has none, -1 if all have one.
@@ -198,11 +172,7 @@ class Programs:
 
 
 def compiled_programs(command: tuple[str, ...]) -> Programs:
-    """The programs in a library of their own, compiled on first use.
-
-    Raises:
-        CompilerError: If the compiler fails.
-    """
+    """The programs in a library of their own, compiled on first use; CompilerError where that fails."""
     return library_or_rebuilt(
         command, "mrts_programs", programs_source(), lambda library: Programs(ctypes.CDLL(str(library)))
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import structure
-from mrts.kernel.cell_library import CellLibrary, MotionLibrary, pointers, sample_inputs
+from mrts.kernel.cell_library import CellLibrary, pointers, sample_inputs
 
 FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
 """How following ends for an arm, as in follow.h."""
@@ -30,7 +30,7 @@ FOLLOWING, TRACKING, PREFERENCE = (
 
 
 def follow_variants(
-    library: MotionLibrary, rule: Any, refused: NDArray[np.bool_], given: Mapping[str, Array]
+    library: CellLibrary, rule: Any, refused: NDArray[np.bool_], given: Mapping[str, Array]
 ) -> tuple[Array, Array, Array, NDArray[np.void]]:
     """Start poses and joints along the path of V variants, N samples; one motion is one variant.
 
@@ -79,7 +79,7 @@ class HeldGrasps:
     drift: Array
 
 
-def hold_grasps(library: MotionLibrary, task: Any, start: Array, given: Mapping[str, Array]) -> HeldGrasps:
+def hold_grasps(library: CellLibrary, task: Any, start: Array, given: Mapping[str, Array]) -> HeldGrasps:
     """Damped Newton steps (Sugihara 2011) from T starts, at one sample each.
 
     Args:
@@ -103,11 +103,7 @@ def hold_grasps(library: MotionLibrary, task: Any, start: Array, given: Mapping[
 
 
 def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]) -> tuple[list[Array], Any]:
-    """Arrays of many variants as C reads them, and how many reals apart they lie in each (0: the one for all).
-
-    Raises:
-        ValueError: If an array has another shape: the C would read past its end.
-    """
+    """Arrays of many variants as C reads them, and how many reals apart they lie in each (0: the one for all)."""
     arrays, strides = [], []
     for name, shape in shapes.items():
         array = np.ascontiguousarray(given[name], dtype=np.float64)

@@ -2,14 +2,14 @@
 """Ranges of c² of many variants of one cell along its motion, one foreign call (mrts/kernel/c/variants)."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, SparseLimits, pointers
-from mrts.kernel.foreign_arrays import INFINITY, work_arrays
-from mrts.kernel.sample_terms import SampleTerms
+from mrts.kernel.binding import INFINITY, work_arrays
+from mrts.kernel.cell_library import TERMS, CellLibrary, pointers
 from mrts.kernel.tracking import PATH, strided
 
 NAMED = 4
@@ -39,8 +39,7 @@ def variant_ranges(
     library: CellLibrary,
     joints: tuple[Array, Array, Array],
     skipped: NDArray[np.bool_],
-    limits: SparseLimits,
-    terms: SampleTerms,
+    limits: Any,
     given: Mapping[str, Array],
 ) -> NDArray[np.void]:
     """The range of c² over the whole motion of each variant that followed, Shape (V,) of `range_record`.
@@ -49,24 +48,23 @@ def variant_ranges(
         library: Of the cell.
         joints: q, q' and q'' along the motion, each Shape (V, N, m).
         skipped: Variants that did not follow, Shape (V,).
-        limits: Rows over torques and wrenches; which limits there are is the same for all variants.
-        terms: What is added at every sample, those of all variants one after the other.
+        limits: From `sparse_limits`; which limits there are is the same for all variants.
         given: By name, with V first, or 1 where all share one: the path's "rotation", "twist" and "acceleration" as in
             `mrts.kernel.tracking.follow_variants`, "load", Shape (V, 10), "geometry" as there, "most", the largest
             c² by limits of the motion alone, infinity where there is none, Shape (V, N), "lower" and "upper" limits of
-            the rows, Shape (V, r), and what the rows are made of, `SparseLimits.values`, Shape (V, e).
+            the rows, Shape (V, r), and what the rows are made of, their entries, Shape (V, e).
     """
     variants, samples, m = joints[0].shape
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("q", "dq", "ddq"), (samples, m))
     shapes |= {name: (samples, *PATH[name]) for name in ("rotation", "twist", "acceleration")}
     shapes |= {"load": (10,), "geometry": given["geometry"].shape[-1:], "most": (samples,)}
-    shapes |= {"lower": (limits.rows,), "upper": (limits.rows,), "values": limits.values.shape}
+    shapes |= {"lower": (limits.rows,), "upper": (limits.rows,), "values": given["values"].shape[-1:]}
     bounds = {name: np.clip(given[name], -INFINITY, INFINITY) for name in ("most", "lower", "upper")}
     followed = dict(zip(("q", "dq", "ddq"), joints, strict=True))
     arrays, strides = strided(variants, shapes, {**given, **followed, **bounds})
     found = np.zeros(variants, dtype=range_record(library.unknowns))
     library.opened.mrts_variant_ranges(
-        *(variants, samples, pointers(arrays), strides, limits.structure, terms.structure()),
+        *(variants, samples, pointers(arrays), strides, limits, TERMS()),
         *(skipped.astype(np.uint8), found),
         *work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples),
     )

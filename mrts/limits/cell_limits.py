@@ -10,32 +10,32 @@ from mrts.cell.cell import Cell
 from mrts.cell.hands import in_object_axes
 from mrts.cell.motors import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, object_axes, row_names
+from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, joint_rows, object_axes, row_names, wrench_rows
 
 NONE = np.zeros(0)
 
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
-    names = [row_names("torque", robot.name, robot.joints, robot.torque_units) for robot in cell.robots]
+    names = joint_rows(cell, "torque", "torque_units")
     return LimitRows.of(
         cell,
-        names=sum(names, ()),
-        lower=np.concatenate([robot.torque_lower for robot in cell.robots]),
-        upper=np.concatenate([robot.torque_upper for robot in cell.robots]),
-        torque_matrix=np.eye(sum(map(len, names))),
+        names=names,
+        lower=cell.stacked("torque_lower"),
+        upper=cell.stacked("torque_upper"),
+        torque_matrix=np.eye(len(names)),
     )
 
 
 def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
-    names = [row_names("wrench", robot.name, cell.wrench_components, cell.wrench_units) for robot in cell.robots]
+    names = wrench_rows(cell, "wrench")
     return LimitRows.of(
         cell,
-        names=sum(names, ()),
-        lower=np.concatenate([robot.wrench_lower for robot in cell.robots]),
-        upper=np.concatenate([robot.wrench_upper for robot in cell.robots]),
-        wrench_matrix=np.eye(sum(map(len, names))),
+        names=names,
+        lower=cell.stacked("wrench_lower"),
+        upper=cell.stacked("wrench_upper"),
+        wrench_matrix=np.eye(len(names)),
     )
 
 
@@ -76,13 +76,13 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; no rows if they are not enforced."""
     if not cell.enforces_velocity_limits:
         return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
-    names = [row_names("velocity", robot.name, robot.joints, robot.position_units, "/s") for robot in cell.robots]
-    names.append(row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s")))
+    names = joint_rows(cell, "velocity", "position_units", "/s")
+    of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
     x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
-    limit = np.concatenate([*(robot.velocity_limit for robot in cell.robots), cell.object_velocity_limit])
+    limit = np.append(cell.stacked("velocity_limit"), cell.object_velocity_limit)
     return LimitRows.of(
         cell,
-        names=sum(names, ()),
+        names=names + of_object,
         lower=np.append(-limit[:-2], [-np.inf, -np.inf]),  # the object's are sizes
         upper=limit,
         speed=np.column_stack([motion.dq, np.sqrt(x**2 + y**2 + z**2)]),

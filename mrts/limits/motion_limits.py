@@ -11,7 +11,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, RowName, row_names, stack_rows
+from mrts.limits.rows import LimitRows, RowName, joint_rows, row_names, stack_rows
 
 NORM_SIDES = 224
 """Sides of the polygon that stands for a circle: inside it, by at most 1 - cos(π / 224) < 1e-4 of the radius."""
@@ -24,13 +24,14 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | No
     """a⁻ <= q' r̈ + q'' ṙ² <= a⁺, one row a joint, and the sizes of the object's acceleration."""
     if not cell.limits_motion:
         return None
-    lower = np.concatenate([robot.acceleration_lower for robot in cell.robots])
-    upper = np.concatenate([robot.acceleration_upper for robot in cell.robots])
-    of_arms = [
-        row_names("acceleration", robot.name, robot.joints, robot.position_units, "/s²") for robot in cell.robots
-    ]
-    columns = {"rate": motion.dq, "square": motion.ddq}
-    joints = LimitRows.of(cell, names=sum(of_arms, ()), lower=lower, upper=upper, **columns).bounded()
+    joints = LimitRows.of(
+        cell,
+        names=joint_rows(cell, "acceleration", "position_units", "/s²"),
+        lower=cell.stacked("acceleration_lower"),
+        upper=cell.stacked("acceleration_upper"),
+        rate=motion.dq,
+        square=motion.ddq,
+    ).bounded()
     names = row_names("acceleration", "object", ("linear", "angular"), ("m/s²", "rad/s²"))
     rates, given = motion.object.twist.reshape(-1, 2, 3), motion.object.acceleration.reshape(-1, 2, 3)
     norms = [

@@ -16,8 +16,60 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.cell_library import SparseLimits
-from mrts.limits.circles import circle, few_sides, in_circles, polygons
+from mrts.kernel.cell_library import sparse_limits
+
+FEW = 8
+"""Rows of a polygon that are enough to tell its circle."""
+
+
+def polygons(names: Sequence["RowName"]) -> dict["RowName", NDArray[np.intp]]:
+    """Places of the rows of each name whose rows are sides of a polygon."""
+    places: dict[RowName, list[int]] = {}
+    for place, name in enumerate(names):
+        if name.sides:
+            places.setdefault(name, []).append(place)
+    return {name: np.array(own, dtype=np.intp) for name, own in places.items()}
+
+
+def few_sides(names: Sequence["RowName"]) -> NDArray[np.bool_]:
+    """Rows without those sides of polygons that their circles do not need, Shape (r,)."""
+    kept = np.ones(len(names), dtype=bool)
+    for own in polygons(names).values():
+        if len(own) % FEW == 0:
+            kept[own] = np.arange(len(own)) % (len(own) // FEW) == 0
+    return kept
+
+
+def circle(sides: Array, count: int) -> tuple[Array, Array]:
+    """√(zᵀ gram z) <= bound z of the circle through the corners of a regular polygon, sides s z <= 0.
+
+    Args:
+        sides: All, or at least three as far from each other as the last from the first, Shape (…, some, k).
+        count: Number of all.
+
+    Returns:
+        gram, Shape (…, k, k), and bound, (…, k).
+    """
+    mean = np.mean(sides, axis=-2)
+    across = sides - mean[..., None, :]
+    scale = 2 / sides.shape[-2] * np.cos(np.pi / count) ** 2
+    gram: Array = scale * np.swapaxes(across, -1, -2) @ across
+    return gram, -mean
+
+
+def in_circles(names: Sequence["RowName"], above: Array, below: Array) -> None:
+    """Put what the circle of each polygon is passed by at all its sides, above.
+
+    Args:
+        names: One a row.
+        above: By what each row passes its upper limit, minus infinity where there is none, Shape (…, r).
+        below: Likewise its lower limit.
+    """
+    for name, own in polygons(names).items():
+        sides = np.concatenate([above[..., own], below[..., own]], axis=-1)
+        gram, bound = circle(sides[..., np.isfinite(sides[(0,) * (sides.ndim - 1)]), None], name.sides)
+        above[..., own], below[..., own] = np.sqrt(gram[..., 0]) - bound, -np.inf
+
 
 Side = Literal["lower", "upper"]
 
@@ -117,6 +169,22 @@ def row_names(
     return tuple(RowName(kind, robot, element, unit + per) for element, unit in zip(elements, units, strict=True))
 
 
+def joint_rows(cell: Cell, kind: str, units: str, per: str = "") -> tuple[RowName, ...]:
+    """Names of rows of one kind, one a joint, in the robots' "torque_units" or "position_units" `per` another."""
+    names: tuple[RowName, ...] = ()
+    for robot in cell.robots:
+        names += row_names(kind, robot.name, robot.joints, getattr(robot, units), per)
+    return names
+
+
+def wrench_rows(cell: Cell, kind: str, per: str = "") -> tuple[RowName, ...]:
+    """Names of rows of one kind, one a wrench component."""
+    names: tuple[RowName, ...] = ()
+    for robot in cell.robots:
+        names += row_names(kind, robot.name, cell.wrench_components, cell.wrench_units, per)
+    return names
+
+
 STANDSTILL = RowName("c2")
 """The row c² >= 0: where it binds, the cell may stand still."""
 
@@ -175,57 +243,28 @@ def row_labels(rows: Iterable[ActiveRow], most: int = MOST_NAMES) -> str:
     return first_names(list(dict.fromkeys(row.label for row in rows)), most)
 
 
-@dataclass(frozen=True, eq=False)
-class ObjectAxes:
-    """What turns the wrenches of n arms from the axes of their bases into the object's at N samples, triple by triple.
+def base_axes(cell: Cell) -> tuple[Array, list[int]]:
+    """Rotation of each base in the world, Shape (n, 3, 3), and the axes that are its columns.
 
-    A spatial wrench has two triples, forces and moments, a planar one a single triple of two forces and a moment.
-
-    Attributes:
-        rotation: R of the object, Shape (N, 3, 3).
-        base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3).
-        axes: x, y, z (0, 1, 2) in the order in which a triple has them.
+    A spatial wrench has two triples, forces and moments along x, y, z (0, 1, 2), a planar one a single triple of two
+    forces and a moment.
     """
-
-    rotation: Array
-    base: Array
-    axes: tuple[int, ...]
-
-    @cached_property
-    def turn(self) -> Array:
-        """The matrices of a triple, Rᵀ R_base, Shape (N, n, 3, 3)."""
-        rows = self.rotation.transpose(0, 2, 1)[:, None, self.axes]
-        return np.asarray(rows @ self.base, dtype=np.float64)
-
-    def turned(self, wrench: Array) -> Array:
-        """Wrenches in object axes, of the same shape.
-
-        Args:
-            wrench: All wrenches in base axes, or columns of a matrix that maps to them, Shape (N, n w, …).
-        """
-        count, arms = len(wrench), len(self.base)
-        triples = wrench.reshape(count, arms, -1, 3, int(np.prod(wrench.shape[2:])))
-        turned: Array = self.turn[:, :, None] @ triples
-        return turned.reshape(wrench.shape)
-
-    def at(self, samples: NDArray[np.int_] | slice) -> "ObjectAxes":
-        """The same at some samples only."""
-        return replace(self, rotation=self.rotation[samples])
-
-    def fit(self, cell: Cell, motion: CoordinatedMotion) -> bool:
-        """Whether these are the axes of a cell along a motion."""
-        theirs = object_axes(cell, motion)
-        pairs = ((self.rotation, theirs.rotation), (self.base, theirs.base))
-        return self.axes == theirs.axes and all(
-            ours is others or np.array_equal(ours, others) for ours, others in pairs
-        )
+    axes = list(triple_axes(cell.wrench_components))
+    return np.array([robot.T_world_base.R[:, axes] for robot in cell.robots]), axes
 
 
-def object_axes(cell: Cell, motion: CoordinatedMotion) -> ObjectAxes:
-    """The axes of a cell's wrenches along a motion."""
-    axes = triple_axes(cell.wrench_components)
-    base = np.array([robot.T_world_base.R[:, axes] for robot in cell.robots])
-    return ObjectAxes(motion.object.rotation, base, tuple(axes))
+def object_axes(cell: Cell, motion: CoordinatedMotion) -> Array:
+    """What turns a triple of each arm's wrench from its base axes into the object's, Shape (N, n, 3, 3)."""
+    base, axes = base_axes(cell)
+    return np.asarray(motion.object.rotation.transpose(0, 2, 1)[:, None, axes] @ base, dtype=np.float64)
+
+
+def turned(object_axes: Array, wrench: Array) -> Array:
+    """All wrenches in object axes, given in base axes, or columns of a matrix that maps to them, Shape (N, n w, …)."""
+    count, arms = object_axes.shape[:2]
+    triples = wrench.reshape(count, arms, -1, 3, int(np.prod(wrench.shape[2:])))
+    found: Array = object_axes[:, :, None] @ triples
+    return found.reshape(wrench.shape)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -242,7 +281,7 @@ class LimitRows:
         torque_matrix: M_τ, Shape (r, m).
         wrench_matrix: M_F, Shape (r, n w).
         object_matrix: M_H, Shape (r, n w).
-        object_axes: What turns F into H (`mrts.limits.rows.object_axes`); there if M_H is.
+        object_axes: What turns F into H (`mrts.limits.rows.object_axes`), Shape (N, n, 3, 3); there if M_H is.
         rate: a, Shape (N, r).
         speed: b, Shape (N, r).
         square: e, Shape (N, r).
@@ -256,7 +295,7 @@ class LimitRows:
     torque_matrix: Array
     wrench_matrix: Array
     object_matrix: Array | None = None
-    object_axes: ObjectAxes | None = None
+    object_axes: Array | None = None
     rate: Array | None = None
     speed: Array | None = None
     square: Array | None = None
@@ -312,7 +351,7 @@ class LimitRows:
         """
         value: Array = torque @ self.torque_matrix.T + wrench @ self.wrench_matrix.T
         if self.object_matrix is not None and self.object_axes is not None:
-            value += self.object_axes.turned(wrench) @ self.object_matrix.T
+            value += turned(self.object_axes, wrench) @ self.object_matrix.T
         speeds = np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1))
         rates = np.reshape(np.asarray(rate, dtype=np.float64), (-1, 1))
         for column, factor in ((self.rate, rates), (self.speed, speeds), (self.square, speeds**2)):
@@ -343,20 +382,8 @@ class LimitRows:
         """The same rows at some samples only."""
         some: dict[str, Any] = {name: column[samples] for name, column in self.columns.items()}
         if self.object_axes is not None:
-            some["object_axes"] = self.object_axes.at(samples)
+            some["object_axes"] = self.object_axes[samples]
         return replace(self, **some)
-
-    def sparse(self) -> SparseLimits:
-        """The rows as C reads them."""
-        turned = self.object_axes
-        return SparseLimits(
-            matrix=self.matrix,
-            lower=self.lower,
-            upper=self.upper,
-            group=[name.group for name in self.names],
-            base=None if turned is None else turned.base,
-            axes=(0, 1, 2) if turned is None else turned.axes,
-        )
 
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
         """Some of the rows; a column of the speed in which they have nothing is None.
@@ -421,6 +448,14 @@ def side_size(limit: Array, units: Array) -> Array:
     return np.where(np.isfinite(limit), size, 1.0)
 
 
+def counted_sizes(lower: Array, upper: Array, units: Array) -> Array:
+    """What 100 % of the lower and of the upper side of each row is, as a share of its unit, Shape (2, r).
+
+    It is 0 where both sides are one number: such a row is kept, and of its limit no share is told.
+    """
+    return np.stack([side_size(limit, units) / units for limit in (lower, upper)]) * (lower < upper)
+
+
 def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
     """Rows with a term in one column of the speed, Shape (r,)."""
     return np.zeros(rows, dtype=bool) if column is None else np.asarray(column.any(axis=0))
@@ -456,6 +491,12 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
         **columns,
         size=joined("units") if sized else None,
     )
+
+
+def kernel_limits(cell: Cell, rows: LimitRows) -> Any:
+    """The rows as C reads them, without the terms of single samples; see `sparse_limits`."""
+    turns = () if rows.object_matrix is None else base_axes(cell)
+    return sparse_limits(rows.matrix, rows.lower, rows.upper, [name.group for name in rows.names], *turns)
 
 
 def limit_name(limit: Callable[..., object]) -> str:
@@ -507,7 +548,7 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
             row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
             rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
             raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=key)
-    if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
+    if rows.object_matrix is not None and not np.array_equal(rows.object_axes, object_axes(cell, motion)):  # type: ignore[arg-type]  # None is not equal
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
     _check_polygons(where, rows)

@@ -17,7 +17,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
 from mrts.limits.cell_limits import CurveRow, curve_rows, motor_limits, velocity_limits
 from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_limits, point_limits
-from mrts.limits.rows import LimitRows, RowName, limit_name, stack_rows
+from mrts.limits.rows import LimitRows, RowName, base_axes, limit_name, stack_rows
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 
@@ -63,7 +63,8 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
         **_motors(cell, lines, ends, line_rows),
     }
     if rows.object_axes is not None:
-        tables |= {"BASE": rows.object_axes.base, "AXES": np.array(rows.object_axes.axes)}
+        base, axes = base_axes(cell)
+        tables |= {"BASE": base, "AXES": np.array(axes)}
     names = [*rows.names, *velocity.names, *(row.name for row in ends)]
     if cell.limits_motion:
         of_motion, more = _motions(cell)
@@ -88,11 +89,11 @@ def _motions(cell: Cell) -> tuple[list[RowName], dict[str, NDArray[Any]]]:
     unlimited = [np.inf, np.inf]
     tilt = [np.divide(thing.half_width or unlimited, thing.centre_height or 1.0) for thing in things]
     return names, {
-        "ACCELERATION_LOWER": np.concatenate([robot.acceleration_lower for robot in robots]),
-        "ACCELERATION_UPPER": np.concatenate([robot.acceleration_upper for robot in robots]),
+        "ACCELERATION_LOWER": cell.stacked("acceleration_lower"),
+        "ACCELERATION_UPPER": cell.stacked("acceleration_upper"),
         "OBJECT_ACCELERATION": cell.object_acceleration_limit,
-        "JOINT_AXIS": np.concatenate([robot.axes for robot in robots]),
-        "JOINT_POINT": np.concatenate([robot.points for robot in robots]),
+        "JOINT_AXIS": cell.stacked("axes"),
+        "JOINT_POINT": cell.stacked("points"),
         "JOINT_SLIDES": np.concatenate([~robot.turns for robot in robots]),
         "POINT_FIRST": np.array([first for first, _ in of_arms] + none, dtype=np.intp),
         "POINT_JOINTS": np.array([point.joints for _, point in of_arms] + none, dtype=np.intp),
@@ -115,7 +116,7 @@ def _motors(
     if not (lines or ends or any(motor.has_effect for motor in motors)):
         return {}
     return {
-        **{name.upper(): np.concatenate([getattr(motor, name) for motor in motors]) for name in EFFECTS},
+        **{name.upper(): cell.stacked(f"motors.{name}") for name in EFFECTS},
         "LINE_ROWS": np.array(line_rows, dtype=np.intp),
         "LINE_JOINTS": np.array([row.joint for row in lines], dtype=np.intp),
         "SLOPE": np.array([row.slope for row in lines], dtype=np.float64),

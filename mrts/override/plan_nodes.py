@@ -19,17 +19,15 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_first, unchecked_coordinated_motion
-from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.binding import INFINITY
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
-from mrts.program.convex_program import ConvexPrograms
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import motion_rows
-from mrts.program.motor_terms import travel_directions
+from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER, solve_programs
+from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
@@ -317,7 +315,9 @@ def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
     """
     cell, motion, count = plan.cell, plan.motion, plan.motion.samples
     rows = motion_rows(cell, motion, plan.sharing)
-    dry = np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.rows.torque_matrix.T / rows.size
+    dry = (
+        np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.rows.torque_matrix.T / rows.given.units
+    )
     most, none = plan.most, np.zeros(count)
     of_loads = []
     for load in (cell.load, *(load for load in plan.loads if not np.array_equal(load, cell.load))):

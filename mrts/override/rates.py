@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.binding import INFINITY
 from mrts.override.plan_nodes import Corners
 from mrts.program.rate_limits import RateLimits
 

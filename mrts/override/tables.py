@@ -15,14 +15,14 @@ from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
-from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.binding import INFINITY
 from mrts.kernel.override_library import node_type, override_library, plan_type, state_type
 from mrts.limits import limit_rows
-from mrts.limits.rows import object_axes
+from mrts.limits.rows import object_axes, turned
 from mrts.motion.rows_at_rest import REST
 from mrts.override.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
 from mrts.override.rates import followed, largest_changes, levelled
-from mrts.program.excess import BETWEEN
+from mrts.program.between_samples import BETWEEN
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import RateLimits
 from mrts.program.widening import motion_widening
@@ -299,9 +299,8 @@ def _plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
         nodes[name] = getattr(corners, name)
     for name in ("hold", "accelerate"):
         given = getattr(corners, name)
-        flat = given.reshape(len(given), -1, given.shape[-1])
-        turned = [axes.turned(np.ascontiguousarray(flat[:, k])) for k in range(flat.shape[1])]
-        nodes[name] = np.stack(turned, axis=1).reshape(given.shape)
+        columns = given.reshape(len(given), -1, given.shape[-1]).transpose(0, 2, 1)
+        nodes[name] = turned(axes, columns).transpose(0, 2, 1).reshape(given.shape)
     return nodes
 
 

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """A cell along a motion as the programs take it: its limits, with what bounds the speed alone in ṙ², and its motors."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +13,98 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
-from mrts.kernel.cell_library import SparseLimits
-from mrts.kernel.sample_terms import SampleTerms
+from mrts.kernel.cell_library import Terms
 from mrts.limits import limit_rows
-from mrts.limits.circles import few_sides
-from mrts.limits.rows import LimitRows, moved
+from mrts.limits.rows import LimitRows, few_sides, kernel_limits, moved
+from mrts.motion.rows_at_rest import REST
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motor_terms import MotorTerms, motor_terms
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorTerms:
+    """τ of the motors less τ of the arms: square ṙ² + rate r̈ + speed ṙ + dry, at N samples of m joints.
+
+    Attributes:
+        square: I_a q'', Shape (N, m).
+        rate: I_a q', Shape (N, m).
+        speed: b q', Shape (N, m); None where no joint has viscous friction.
+        dry: τ_c in the direction of travel, Shape (N, m) [N m or N].
+        turning: τ_c where a joint turns back at a sample: it acts in both directions there, and `dry` has none,
+            Shape (N, m) [N m or N]; None where no joint does.
+    """
+
+    square: Array
+    rate: Array
+    speed: Array | None
+    dry: Array
+    turning: Array | None
+
+    def at(self, samples: NDArray[np.int_] | slice) -> "MotorTerms":
+        """The same at some samples only."""
+        return MotorTerms(
+            square=self.square[samples],
+            rate=self.rate[samples],
+            speed=None if self.speed is None else self.speed[samples],
+            dry=self.dry[samples],
+            turning=None if self.turning is None else self.turning[samples],
+        )
+
+    def torque(self, speed: float) -> Array:
+        """All that the motors give besides at a constant factor of speed, Shape (N, m) [N m or N]."""
+        return self.square * speed**2 + self.friction(speed)
+
+    def margin(self, rows: LimitRows) -> Array | None:
+        """By how much limits move inward where friction may act in both directions, Shape (N, r); None if none does."""
+        return None if self.turning is None else self.turning @ np.abs(rows.torque_matrix).T
+
+    def friction(self, speed: float | Array) -> Array:
+        """The part of τ that friction is at ṙ, Shape (N, m) [N m or N].
+
+        Args:
+            speed: ṙ, one for all samples, or Shape (N, 1).
+        """
+        return self.dry if self.speed is None else self.dry + self.speed * speed
+
+
+def motor_terms(cell: Cell, motion: CoordinatedMotion) -> MotorTerms | None:
+    """Rotor inertia and friction of a cell along a motion; None where its motors are ideal."""
+    armature, coulomb, viscous = map(cell.stacked, ("motors.armature", "motors.coulomb", "motors.viscous"))
+    if not (armature.any() or coulomb.any() or viscous.any()):
+        return None
+    before, after = travel_directions(motion)
+    turns = (before != after) & (coulomb > 0)
+    return MotorTerms(
+        square=armature * motion.ddq,
+        rate=armature * motion.dq,
+        speed=viscous * motion.dq if np.any(viscous) else None,
+        dry=coulomb * (before + after) / 2,
+        turning=coulomb * turns if np.any(turns) else None,
+    )
+
+
+def travel_directions(motion: CoordinatedMotion) -> Array:
+    """Signs of each joint's velocity just before and just after every sample, Shape (2, N, m); 0 where it stands.
+
+    Where the motion does not tell them and q' = 0, q'' does: a joint arrives against it and leaves with it. At the
+    first sample nothing is before, at the last nothing after.
+    """
+    if motion.travel is not None:
+        return motion.travel
+    dq, ddq = motion.dq, motion.ddq
+    speed, change = np.abs(dq), np.abs(ddq)
+    moving = np.where(speed > REST * np.max(speed), np.sign(dq), 0.0)
+    leaving = np.where(change > REST * np.max(change), np.sign(ddq), 0.0)
+    before, after = np.where(moving == 0, -leaving, moving), np.where(moving == 0, leaving, moving)
+    before[0], after[-1] = after[0], before[-1]
+    return np.stack([before, after])
+
 
 CAPS_TIE = 2e-7
 """Caps that bound ṙ² this closely to the one that bounds it most bind with it."""
+
+MOST_ROWS = 32_767
+"""The kernel keeps the rows of each sample's answer as 16-bit numbers."""
 
 SQUARE_AT_REST = 1e-24
 """A squared speed below this share of its largest along the motion is rounding of rest."""
@@ -61,20 +144,54 @@ class MotionRows:
     cap_code: NDArray[np.int_]
     motors: MotorTerms | None
 
-    @property
-    def size(self) -> Array:
-        """What the rows are divided by, Shape (r,)."""
-        return self.given.units
-
     @cached_property
     def kept(self) -> LimitRows:
         """The rows that are no caps."""
         return self.rows.only(~self.is_cap)
 
     @cached_property
-    def sparse(self) -> SparseLimits | None:
-        """The same as C reads them; None where sides cross, as a reserve leaves them: such rows admit nothing."""
-        return None if np.any(self.rows.lower > self.rows.upper) else self.kept.sparse()
+    def compiled(self) -> bool:
+        """Whether the kernel takes the programs: of a free distribution in the wrench form, whose sides do not cross.
+
+        They cross where a reserve leaves less than nothing between them: such rows admit nothing.
+        """
+        free = self.formulation == "wrench" and self.sharing is None
+        few = len(self.kept.names) + self.cell.library.unknowns <= MOST_ROWS
+        return free and few and not np.any(self.rows.lower > self.rows.upper)
+
+    @cached_property
+    def _limits(self) -> Any:
+        return kernel_limits(self.cell, self.kept)
+
+    def over_samples(
+        self,
+        function: str,
+        asked: Sequence[Array],
+        outputs: Sequence[NDArray[Any]],
+        for_all: tuple[Any, ...] = (),
+        *,
+        load: Array | None = None,
+        speed: float | Array | None = None,
+        samples: NDArray[np.intp] | None = None,
+    ) -> None:
+        """Call a function of the kernel for all samples, or some, as `CellLibrary.over_samples`.
+
+        Args:
+            function: Its name.
+            asked: What it takes of each of these samples.
+            outputs: What it fills.
+            for_all: What it takes besides.
+            load: As in `inputs`; of some samples, one of each.
+            speed: ṙ of all samples, or of each, Shape (N, 1); None where it is to be found.
+            samples: Which, Shape (k,); None takes all.
+        """
+        inputs, terms = self.inputs(None), self.terms(speed)
+        if samples is not None and len(samples) < self.motion.samples:
+            inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
+            terms = {name: None if of is None else of[samples] for name, of in terms.items()}
+        inputs |= {} if load is None else {"load": load}
+        library, count = self.cell.library, len(asked[0])
+        library.over_samples(function, count, inputs, self._limits, terms, asked, outputs, for_all)
 
     @cached_property
     def most(self) -> Array:
@@ -113,27 +230,21 @@ class MotionRows:
             motors=None,
         )
 
-    def terms(self, speed: float | Array | None = None) -> SampleTerms:
-        """What is added at every sample to the kept rows, with terms in ṙ put in, or left as they are.
-
-        Args:
-            speed: ṙ, one for all samples, or Shape (N, 1); None where it is to be found.
-        """
+    def terms(self, speed: float | Array | None = None) -> Terms:
+        """What is added at every sample to the kept rows, with terms in ṙ put in, or left; as in `over_samples`."""
         kept, motors, by_speed, offset = self.kept, self.motors, self.kept.speed, self.kept.offset
         if kept.speed is not None and speed is not None:
             of_speed = kept.speed * speed
             by_speed, offset = None, of_speed if offset is None else of_speed + offset
+        of_rows = {"square": kept.square, "speed": by_speed, "offset": offset}
         if motors is None:
-            return SampleTerms(square=kept.square, speed=by_speed, offset=offset)
-        return SampleTerms(
-            square=kept.square,
-            speed=by_speed,
-            offset=offset,
-            torque_square=motors.square,
-            torque_offset=motors.friction(0.0 if speed is None else speed),
-            torque_speed=motors.speed if speed is None else None,
-            margin=motors.margin(kept),
-        )
+            return of_rows
+        return of_rows | {
+            "torque_square": motors.square,
+            "torque_offset": motors.friction(0.0 if speed is None else speed),
+            "torque_speed": motors.speed if speed is None else None,
+            "margin": motors.margin(kept),
+        }
 
 
 def largest_square(cap_share: Array) -> Array:

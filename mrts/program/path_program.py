@@ -10,8 +10,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.circles import circle, polygons
-from mrts.program.motor_terms import motor_terms
+from mrts.limits.rows import circle, polygons
+from mrts.program.motion_rows import motor_terms
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.smooth_program import SmoothProgram

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.binding import bind, structure
+from mrts.kernel.binding import INFINITY, bind, interruptible, structure
 from mrts.kernel.c_text import SMOOTH_FILES, smooth_source
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
-from mrts.kernel.foreign_arrays import INFINITY, interruptible
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
 DURATIONS = 100.0

@@ -6,21 +6,19 @@ depends on its basis. `rows_at_end` names all that are at their limit in every s
 they are those with a multiplier in some solution of the dual program.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary
-from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.binding import INFINITY
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, STOPPED, default_programs
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
-from mrts.program.convex_program import ConvexPrograms, scales
 from mrts.program.motion_rows import CAPS_TIE, MotionRows, binds, largest_square
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.solvers import DEFAULT_SOLVER, Answers, solve_programs
+from mrts.program.solvers import DEFAULT_SOLVER, Answers, ConvexPrograms, scales, solve_programs
 
 BINDING_TOLERANCE = 1e-7
 """A row binds if its multiplier exceeds this share of the largest, or, where c² is the only unknown, it ties so."""
@@ -39,10 +37,10 @@ class RangeEnds:
         upper: Infinity where nothing bounds it, minus infinity where there is none, Shape (N,).
         codes: Rows that bind.
         status: Status of the kernel, Shape (N,): `OPTIMAL` where the ends are known.
-        below: A c² between the interval and the next one below, 0 where there is none, Shape (N,).
+        below: A c² between the interval and the next one below, 0 where there is none, Shape (N,). Of an interval that
+            is not the highest one it is that of the highest.
         effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
         fallbacks: Programs that the chosen solver did not solve and another did.
-        several: Whether a sample admits other intervals as well, also above this one, Shape (N,).
     """
 
     lower: Array
@@ -52,9 +50,6 @@ class RangeEnds:
     below: Array
     effect: Array
     fallbacks: int = 0
-
-    def __post_init__(self) -> None:
-        self.several = self.below > 0
 
     @classmethod
     def unknown(cls, samples: int) -> "RangeEnds":
@@ -70,30 +65,29 @@ class RangeEnds:
 
     def replace(self, samples: NDArray[np.intp], other: "RangeEnds") -> None:
         """Take some samples from another batch."""
-        self.codes, theirs = same_width([self.codes, other.codes])
+        self.codes, theirs = same_width(self.codes, other.codes)
         self.codes[:, samples] = theirs
-        for name in ("lower", "upper", "status", "below", "effect", "several"):
+        for name in ("lower", "upper", "status", "below", "effect"):
             getattr(self, name)[samples] = getattr(other, name)
         self.fallbacks += other.fallbacks
 
 
-def same_width(parts: Sequence[Codes]) -> list[Codes]:
+def same_width(*parts: Codes) -> list[Codes]:
     """Codes with zeros behind them, so that all have as many."""
     wide = max(codes.shape[2] for codes in parts)
     return [np.pad(codes, ((0, 0), (0, 0), (0, wide - codes.shape[2]))) for codes in parts]
 
 
-def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows, most: Array) -> RangeEnds:
-    """The ends at all samples in one call of the kernel, c² at most `most`, Shape (N,); inputs of the wrench form."""
-    assert rows.sparse is not None  # noqa: S101 (the caller has looked)
+def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
+    """The ends at all samples in one call of the kernel, c² at most `most`, Shape (N,)."""
     count, speeds = len(most), rows.has_speed_terms
     lower, upper, below, effect = np.zeros((4, count))
     status = np.full((1 if speeds else 2, count), STOPPED, dtype=np.uint8)
-    basis = np.zeros((2, count, library.unknowns + speeds), dtype=np.int16)
+    basis = np.zeros((2, count, rows.cell.library.unknowns + speeds), dtype=np.int16)
     dual = np.zeros(basis.shape, dtype=np.float32)
     name, between = ("mrts_speed_ranges", [below]) if speeds else ("mrts_ranges", [])
     outputs = [lower, upper, *between, *status, effect, *basis, *dual]
-    library.over_samples(name, count, inputs, rows.sparse, rows.terms(), [np.minimum(most, INFINITY)], outputs)
+    rows.over_samples(name, [np.minimum(most, INFINITY)], outputs, load=load)
     return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), below, effect)
 
 
@@ -224,13 +218,10 @@ MOST_INTERVALS = 100
 def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float) -> RangeEnds:
     """The highest interval of c² of each sample whose lower end is at most `high`, or the lowest where all lie above.
 
-    Args:
-        find: The highest interval of each sample up to a c² of its own, Shape (N,).
-        most: The c² up to which it is first looked for, Shape (N,).
-        high: Largest lower end.
+    `find` gives the highest one of each sample up to a c² of its own, Shape (N,), first up to `most`.
     """
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    several = found.several
+    highest = found.below
     for _ in range(MOST_INTERVALS):
         above = (found.below > 0) & (found.lower > high) & ~lowest
         if not np.any(above):
@@ -241,7 +232,7 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
         lowest |= nothing
         if not np.any(nothing):
             most, found = tried, further
-    found.several = several
+    found.below = highest
     return found
 
 

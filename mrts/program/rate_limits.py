@@ -11,7 +11,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.limits.rows import RowName, row_names
+from mrts.limits.rows import RowName, joint_rows, wrench_rows
 
 Rates = bool | float
 """What a user says of rates: True for those of the cell, or a multiple of torque limits per second [1/s]."""
@@ -52,21 +52,17 @@ class RateLimits(EqualByNumbers):
 
 def rate_names(cell: Cell) -> tuple[tuple[RowName, ...], tuple[RowName, ...], tuple[RowName, ...]]:
     """Names of torque rates, wrench rates and jerks, in the order of `RateLimits`."""
-    torque, wrench, jerk = tuple[RowName, ...](), tuple[RowName, ...](), tuple[RowName, ...]()
-    for robot in cell.robots:
-        torque += row_names("torque rate", robot.name, robot.joints, robot.torque_units, "/s")
-        wrench += row_names("wrench rate", robot.name, cell.wrench_components, cell.wrench_units, "/s")
-        jerk += row_names("jerk", robot.name, robot.joints, robot.position_units, "/s³")
-    return torque, wrench, jerk
+    torque = joint_rows(cell, "torque rate", "torque_units", "/s")
+    return torque, wrench_rows(cell, "wrench rate", "/s"), joint_rows(cell, "jerk", "position_units", "/s³")
 
 
 def given_rate_limits(cell: Cell) -> RateLimits:
     """What the cell itself says: `motors.torque_rate`, `contact_rate` and `motors.jerk`, less its reserve."""
     kept = 1.0 - cell.reserve
     return RateLimits(
-        torque=kept * np.concatenate([robot.motors.torque_rate for robot in cell.robots]),
-        wrench=kept * np.concatenate([robot.contact_rate for robot in cell.robots]),
-        jerk=kept * np.concatenate([robot.motors.jerk for robot in cell.robots]),
+        torque=kept * cell.stacked("motors.torque_rate"),
+        wrench=kept * cell.stacked("contact_rate"),
+        jerk=kept * cell.stacked("motors.jerk"),
     )
 
 

@@ -8,10 +8,10 @@ join the samples, it is one quadratic program over the shares of all of them.
 """
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
@@ -19,11 +19,11 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
-from mrts.limits.rows import ActiveRow, LimitRows, side_size
+from mrts.limits.rows import ActiveRow, LimitRows, counted_sizes
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_ends import BINDING_TOLERANCE
-from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
+from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem, moved_by
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.widening import least_widening
@@ -47,22 +47,18 @@ ROWS_NAMED = 2
 NO_RESERVE = 1e-9
 """A reserve below this share is none: at the fastest c² rounding leaves some, of the precision of an answer."""
 
-MOVED = 1e-12
-"""A row whose free unknowns have coefficients below this share of the sample's largest is moved by no distribution."""
-
 
 def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array, Array, int]:
     """The least largest share of any limit at each sample, less 1: as a widening, below 0 within the limits.
 
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
     """
-    lower, upper = problem.limits_at(c2)
-    moved, sizes = _moved(problem.free), _counted_sizes(problem)
+    (lower, upper), moved, sizes = problem.limits_at(c2), problem.moved, problem.counted
     return least_widening(
         problem.free,
         np.where(moved, lower, -np.inf),
         np.where(moved, upper, np.inf),
-        _counts(problem),
+        sizes[0] > 0,
         np.full(problem.unknowns - 1, -np.inf),
         solver,
         f"the reserve at c² = {c2:g}",
@@ -80,16 +76,8 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProb
         return problem, 0
     found, _, fallbacks = least_shares(problem, c2, solver)
     share = np.maximum(1 + found, LEAST_SHARE)
-    low, high = (1 - share)[:, None] * whole_sides(problem.free, _counted_sizes(problem))
+    low, high = (1 - share)[:, None] * whole_sides(problem.free, problem.counted)
     return replace(problem, lower=problem.lower + low, upper=problem.upper - high), fallbacks
-
-
-def counted_sizes(lower: Array, upper: Array, units: Array) -> Array:
-    """What 100 % of the lower and of the upper side of each row is, as a share of its unit, Shape (2, r).
-
-    It is 0 where both sides are one number: such a row is kept and does not count.
-    """
-    return np.stack([side_size(limit, units) / units for limit in (lower, upper)]) * (lower < upper)
 
 
 def given_sizes(cell: Cell, motion: CoordinatedMotion, *, polygons: bool = True) -> Array:
@@ -106,7 +94,7 @@ def whole_sides(free: Array, sizes: Array) -> Array:
         free: The columns of what a distribution chooses, Shape (N, r, f).
         sizes: `counted_sizes`, Shape (2, r).
     """
-    return sizes[:, None] * _moved(free)
+    return sizes[:, None] * moved_by(free)
 
 
 def of_shares(program: SmoothProgram) -> SmoothProgram:
@@ -176,9 +164,8 @@ def reserved_torques(
 
 def without_unmoved(problem: SampleProblem) -> SampleProblem:
     """The same problem without the limits that no distribution moves, for a motion that passes some of these."""
-    moved = _moved(problem.free)
-    lower, upper = np.where(moved, problem.lower, -np.inf), np.where(moved, problem.upper, np.inf)
-    return replace(problem, lower=lower, upper=upper)
+    moved = problem.moved
+    return replace(problem, lower=np.where(moved, problem.lower, -np.inf), upper=np.where(moved, problem.upper, np.inf))
 
 
 @dataclass(frozen=True)
@@ -237,11 +224,8 @@ def plan_reserve(rows: MotionRows, c2: float, loads: tuple[LoadPoint | None, ...
                 distributed.append(_reserve(given, at_best, time, start, load))
                 shares = np.maximum(shares, at_best)
             whole.append(_reserve(given, shares, time, start, load))
-    return replace(_least(whole), distributed=_least(distributed) if distributed else None)
-
-
-def _least(reserves: list[Reserve]) -> Reserve:
-    return min(reserves, key=lambda reserve: reserve.share)
+    least = attrgetter("share")
+    return replace(min(whole, key=least), distributed=min(distributed, key=least, default=None))
 
 
 def _reserve(given: LimitRows, shares: Array, time: Array, start: int, load: LoadPoint | None) -> Reserve:
@@ -262,30 +246,15 @@ def _shares_moved(share: Array, row_dual: Array) -> Array:
 
 
 def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Array:
-    """Shares of rows that no distribution moves, minus infinity elsewhere, Shape (2, b, r); r limits."""
-    stays = ~_moved(problem.free) & _counts(problem)
-    low, high = np.where(_counts(problem), _counted_sizes(problem), 1.0)
-    lower, upper = problem.limits_at(c2)
+    """Shares of rows that no distribution moves, minus infinity elsewhere, Shape (2, b, r); those of the speed in ṙ."""
+    sizes, (lower, upper) = problem.counted, problem.limits_at(c2)
+    stays = ~problem.moved & (sizes[0] > 0)
+    low, high = np.where(sizes > 0, sizes, 1.0)
     shares = np.stack([1 + lower / low, 1 - upper / high])
     of_speed = given.is_of_speed
     if np.any(of_speed):
         torque, wrench = (np.zeros((problem.samples, M.shape[1])) for M in (given.torque_matrix, given.wrench_matrix))
-        value = given.value(torque, wrench, 0.0, np.sqrt(c2))
-        size = given.side_sizes()
+        value, size = given.value(torque, wrench, 0.0, np.sqrt(c2)), given.side_sizes()
         at = np.stack([1 - (value - given.lower) / size[0], 1 - (given.upper - value) / size[1]])
         shares[:, :, of_speed] = at[:, :, of_speed]
     return np.where(stays, shares, -np.inf)
-
-
-def _moved(free: Array) -> NDArray[np.bool_]:
-    """Rows that some distribution moves, at each sample, Shape (N, r); their free columns have Shape (N, r, f)."""
-    size = np.max(np.abs(free), axis=2, initial=0.0)
-    return np.asarray(size > MOVED * np.max(size, axis=1, keepdims=True, initial=0.0))
-
-
-def _counts(problem: SampleProblem) -> NDArray[np.bool_]:
-    return np.asarray(problem.limit_lower < problem.limit_upper)
-
-
-def _counted_sizes(problem: SampleProblem) -> Array:
-    return counted_sizes(problem.limit_lower, problem.limit_upper, problem.unit)

@@ -12,10 +12,9 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import ActiveRow, LimitRows, RowName
+from mrts.limits.rows import ActiveRow, LimitRows, RowName, counted_sizes, turned
 from mrts.program.formulation import FORMULATIONS
-from mrts.program.motion_rows import MotionRows, largest_square, side_share
-from mrts.program.motor_terms import MotorTerms
+from mrts.program.motion_rows import MotionRows, MotorTerms, largest_square, side_share
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
@@ -26,6 +25,9 @@ BLOCK = 4096
 
 NO_EFFECT = 1e-300
 """What moves no row by more than this share of a limit moves none: its scale is infinite. As in numbers.h."""
+
+MOVED = 1e-12
+"""A row whose free unknowns have coefficients below this share of the sample's largest is moved by no distribution."""
 
 MAPS = ("torque_map", "torque_offset", "torque_speed", "wrench_map", "wrench_offset")
 OF_ROWS = ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
@@ -101,6 +103,16 @@ class SampleProblem:
         """The column of A of r̈ where the speed varies, Shape (N, r)."""
         return self.A[:, :, -2]
 
+    @property
+    def counted(self) -> Array:
+        """`counted_sizes` of the limits, Shape (2, r)."""
+        return counted_sizes(self.limit_lower, self.limit_upper, self.unit)
+
+    @property
+    def moved(self) -> NDArray[np.bool_]:
+        """Rows that some distribution moves, at each sample, Shape (N, r)."""
+        return moved_by(self.free)
+
     def limits_at(self, c2: float | Array) -> tuple[Array, Array]:
         """The limits that are left for the other unknowns at a value of the last, each Shape (N, r).
 
@@ -174,6 +186,12 @@ class SampleProblem:
         return replace(self, names=tuple([self.names[row] for row in rows.tolist()]), **some)
 
 
+def moved_by(free: Array) -> NDArray[np.bool_]:
+    """Rows that some distribution moves, at each sample, Shape (N, r); their free columns have Shape (N, r, f)."""
+    size = np.max(np.abs(free), axis=2, initial=0.0)
+    return np.asarray(size > MOVED * np.max(size, axis=1, keepdims=True, initial=0.0))
+
+
 def build_sample_problem(
     rows: MotionRows, *, load: Array | None = None, samples: NDArray[np.int_] | None = None, varying: bool = False
 ) -> SampleProblem:
@@ -205,7 +223,8 @@ def build_sample_problem(
     found = _maps(cell, "fixed_distribution" if rows.sharing else f"{formulation}_form", count, inputs, varying=varying)
     if "equality_map" in found:
         found = _balanced(found)
-    found |= _rows_of_maps(limits, rows.size, found, motors, varying=varying)
+    size = rows.given.units
+    found |= _rows_of_maps(limits, size, found, motors, varying=varying)
     torque_speed, speed = None if motors is None else motors.speed, limits.speed
     if torque_speed is not None:
         speed = torque_speed @ limits.torque_matrix.T + (0.0 if speed is None else speed)
@@ -214,9 +233,9 @@ def build_sample_problem(
         torque_speed=torque_speed,
         names=rows.given.names,
         unit=rows.unit,
-        is_limit=np.ones(len(rows.size), dtype=bool),
+        is_limit=np.ones(len(size), dtype=bool),
         is_cap=rows.is_cap,
-        speed=None if speed is None else speed / rows.size,
+        speed=None if speed is None else speed / size,
         limit_lower=rows.given.lower,
         limit_upper=rows.given.upper,
     )
@@ -284,9 +303,9 @@ def _rows_of_maps(
         A[:, moves] += M_wrench @ maps["wrench_map"]
         offset[:, moves] += maps["wrench_offset"] @ M_wrench.T
     if rows.object_matrix is not None and rows.object_axes is not None:
-        turned = rows.object_matrix.any(axis=1)
-        A[:, turned] += rows.object_matrix[turned] @ rows.object_axes.turned(maps["wrench_map"])
-        offset[:, turned] += rows.object_axes.turned(maps["wrench_offset"]) @ rows.object_matrix[turned].T
+        moved = rows.object_matrix.any(axis=1)
+        A[:, moved] += rows.object_matrix[moved] @ turned(rows.object_axes, maps["wrench_map"])
+        offset[:, moved] += turned(rows.object_axes, maps["wrench_offset"]) @ rows.object_matrix[moved].T
     if rows.square is not None:
         A[:, :, -1] += rows.square
     if rows.offset is not None:

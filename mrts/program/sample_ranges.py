@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The admissible range of c² at every sample: by the compiled kernel in one call, or from rows for another solver."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -31,7 +31,7 @@ from mrts.program.range_ends import (
 )
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
-from mrts.program.solvers import DEFAULT_SOLVER, takes_kernel
+from mrts.program.solvers import DEFAULT_SOLVER
 
 REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
@@ -45,14 +45,15 @@ that sets the end, so that it does not depend on the solver."""
 
 SIDES: tuple[Side, Side] = ("lower", "upper")
 
-OfSample = Callable[[int, Array | None], SampleProblem]
-"""Gives the rows of one sample, with a load if the load is uncertain."""
+Asked = tuple[Cell, CoordinatedMotion, LoadSharing | None, Array | None]
+"""Whose ranges they are; the load is the cell's where there is none. Rows hold what C reads and stay in their process,
+where results may leave it."""
 
 AT_SAMPLES = ("time", "lower", "upper", "gaps")
 """Arrays of `SampleRanges` with one number a sample."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class SampleRanges:
     """The least and the largest c² of each of N samples: of the highest interval where a sample admits several.
 
@@ -67,7 +68,7 @@ class SampleRanges:
         conflicts: One for each infeasible sample, in order.
         fallbacks: Programs that the chosen solver did not solve and another did.
         loads: If the load is uncertain, the loads that set the lower and the upper end of each sample.
-        problem: The rows of one sample, with a load if the load is uncertain; None where `codes` has all that bind.
+        asked: From what the rows of a sample are made again; None where `codes` has all that bind.
     """
 
     time: Array
@@ -80,7 +81,7 @@ class SampleRanges:
     conflicts: tuple[Conflict, ...] = ()
     fallbacks: int = 0
     loads: tuple[Sequence[LoadPoint], Sequence[LoadPoint]] | None = None
-    problem: OfSample | None = field(default=None, repr=False, compare=False)
+    asked: Asked | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def status(self) -> tuple[RangeStatus, ...]:
@@ -101,7 +102,7 @@ class SampleRanges:
         some: dict[str, Any] = {name: getattr(self, name)[places] for name in AT_SAMPLES}
         if self.loads is not None:
             some["loads"] = tuple([own[place] for place in places.tolist()] for own in self.loads)
-        return replace(self, **some, codes=self.codes[:, places], conflicts=(), problem=None)
+        return replace(self, **some, codes=self.codes[:, places], conflicts=(), asked=None)
 
     def load_at(self, sample: int, side: Side) -> LoadPoint | None:
         """The load that sets one end of a sample; None where the load is known."""
@@ -121,10 +122,11 @@ class SampleRanges:
     def all_binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """All rows that bind at one end of a sample."""
         c2 = float((self.lower if side == "lower" else self.upper)[sample])
-        if self.problem is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
+        if self.asked is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
             return self.binding(sample, side)
-        load = self.load_at(sample, side)
-        problem = self.problem(sample, None if load is None else load.load)
+        (cell, motion, sharing, known), load = self.asked, self.load_at(sample, side)
+        rows, carried = motion_rows(cell, motion, sharing), known if load is None else load.load
+        problem = build_sample_problem(rows, load=carried, samples=np.array([sample]))
         return rows_at_end(problem, c2, side) or self.binding(sample, side)
 
     def to_json(self) -> dict[str, Any]:
@@ -145,10 +147,10 @@ def motion_ranges(
     A load stands instead of the cell's, Shape (10,), or one a sample, Shape (N, 10). Of several intervals it is the
     highest that does not begin above `high`.
     """
-    time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows.cell, rows.motion, rows.sharing, load)
-    if not takes_kernel(rows, solver):
-        return sample_ranges(build_sample_problem(rows, load=load), time, solver, high, of_sample)
-    find = partial(kernel_ends, rows.cell.library, rows.inputs(load), rows)
+    time, asked = rows.motion.object.time, (rows.cell, rows.motion, rows.sharing, load)
+    if solver != DEFAULT_SOLVER or not rows.compiled:
+        return sample_ranges(build_sample_problem(rows, load=load), time, solver, high, asked)
+    find = partial(kernel_ends, rows, load)
     ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
     ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
     effect = float(np.max(ends.effect, initial=0.0))
@@ -160,53 +162,30 @@ def motion_ranges(
         block = suspects[start : start + BLOCK]
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
         conflicts += decide(ends, block, problem, time, solver, high)
-    return _ranges(time, ends, conflicts, rows.given.names, (rows.given.lower, rows.given.upper), of_sample)
-
-
-def _problem_of_sample(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    sharing: LoadSharing | None,
-    known: Array | None,
-    sample: int,
-    load: Array | None,
-) -> SampleProblem:
-    """It holds no rows: those of C stay in their process, where results may leave it."""
-    given = known if load is None else load
-    return build_sample_problem(motion_rows(cell, motion, sharing), load=given, samples=np.array([sample]))
+    limits = rows.given.names, np.stack([rows.given.lower, rows.given.upper])
+    return _ranges(time, ends, conflicts, limits, asked)
 
 
 def sample_ranges(
-    problem: SampleProblem, time: Array, solver: str, high: float = np.inf, of_sample: OfSample | None = None
+    problem: SampleProblem, time: Array, solver: str, high: float = np.inf, asked: Asked | None = None
 ) -> SampleRanges:
     """Step 1 of MMTSF for rows along a motion: min and max of c² at every sample; see `motion_ranges`."""
     still = without_speed_at_rest(problem)
     ends = ends_of_problem(still, solver, high, alone=True)
     conflicts = decide(ends, ends.undecided, still, time, solver, high)
-    limits = problem.limit_lower, problem.limit_upper
-    return _ranges(time, ends, conflicts, problem.names, limits, of_sample)
+    limits = problem.names, np.stack([problem.limit_lower, problem.limit_upper])
+    return _ranges(time, ends, conflicts, limits, asked)
 
 
 def _ranges(
     time: Array,
     ends: RangeEnds,
     conflicts: Sequence[Conflict],
-    names: tuple[RowName, ...],
-    limits: tuple[Array, Array],
-    problem: OfSample | None,
+    limits: tuple[tuple[RowName, ...], Array],
+    asked: Asked | None,
 ) -> SampleRanges:
-    return SampleRanges(
-        time=time,
-        lower=ends.lower,
-        upper=ends.upper,
-        names=names,
-        limits=np.stack(limits),
-        codes=ends.codes,
-        gaps=ends.several,
-        conflicts=tuple(conflicts),
-        fallbacks=ends.fallbacks,
-        problem=problem,
-    )
+    numbers = time, ends.lower, ends.upper, *limits, ends.codes, ends.below > 0
+    return SampleRanges(*numbers, tuple(conflicts), ends.fallbacks, asked=asked)
 
 
 def decide(
@@ -243,12 +222,13 @@ def decide(
 
 def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
     """Ranges at the samples of both along one motion, in the order of time, without what conflicts."""
-    both = (first, other)
-    whole: dict[str, Any] = {name: np.concatenate([getattr(of, name) for of in both]) for name in AT_SAMPLES}
+    whole: dict[str, Any] = {}
+    for name in AT_SAMPLES:
+        whole[name] = np.append(getattr(first, name), getattr(other, name))
     if first.loads is not None and other.loads is not None:
         whole["loads"] = tuple((*ours, *theirs) for ours, theirs in zip(first.loads, other.loads, strict=True))
-    together = replace(first, codes=np.concatenate(same_width([of.codes for of in both]), axis=1), **whole)
-    return together.at(np.argsort(together.time, kind="stable"))
+    codes = np.concatenate(same_width(first.codes, other.codes), axis=1)
+    return replace(first, codes=codes, **whole).at(np.argsort(whole["time"], kind="stable"))
 
 
 def first_least(values: Array) -> Any:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Verified batches of linear and quadratic programs. A new solver is a function and a line in `SOLVERS`.
+"""Verified batches of small linear and quadratic programs. A new solver is a function and a line in `SOLVERS`.
 
 A solver's own word is never taken: an answer counts when it passes `optimality_error`, else another solver is asked.
 """
@@ -13,19 +13,118 @@ from typing import Any
 import numpy as np
 
 from mrts.base.argument_types import check_type
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, SolverError
 from mrts.kernel.programs import default_programs
-from mrts.program.convex_program import (
-    HIGHS_TOLERANCE,
-    OPTIMALITY_TOLERANCE,
-    ConvexPrograms,
-    Mask,
-    optimality_error,
-)
-from mrts.program.motion_rows import MotionRows
 
 DEFAULT_SOLVER = "kernel"
+
+OPTIMALITY_TOLERANCE = 1e-9
+"""Residuals of feasibility, stationarity and complementarity, each relative to the terms that it sums."""
+
+GRADIENT_TOLERANCE = 1e-12
+"""The same for the gradient of a quadratic cost, so that torques of small weight are right as well."""
+
+HIGHS_TOLERANCE = 1e-10
+"""Asked of HiGHS, whose default of 1e-7 is coarser than what an answer must pass."""
+
+Mask = np.typing.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ConvexPrograms:
+    """N programs: minimise ½ xᵀHx + gᵀx subject to lower <= A x <= upper and x_lower <= x <= x_upper.
+
+    Attributes:
+        H: Symmetric, positive semidefinite, Shape (N, k, k); None for linear programs.
+        g: Shape (N, k).
+        A: Shape (N, r, k).
+        lower: Shape (N, r), minus infinity where unbounded.
+        upper: Shape (N, r), infinity where unbounded.
+        x_lower: Shape (N, k).
+        x_upper: Shape (N, k).
+    """
+
+    H: Array | None
+    g: Array
+    A: Array
+    lower: Array
+    upper: Array
+    x_lower: Array
+    x_upper: Array
+
+    def at(self, samples: Mask) -> "ConvexPrograms":
+        """Some of the programs."""
+        given: dict[str, Any] = {name: None if of is None else of[samples] for name, of in vars(self).items()}
+        return ConvexPrograms(**given)
+
+    def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
+        """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.
+
+        Inequality rows keep their own scale, which is that of their limits; equations are scaled to coefficients of 1.
+
+        Returns:
+            The programs, the factors x = column * x_scaled, Shape (N, k), and the factors of the rows, Shape (N, r).
+        """
+        column, row = scales(self.A, self.lower == self.upper)
+        g = self.g * column
+        H = None if self.H is None else self.H * column[:, :, None] * column[:, None, :]
+        weight = np.max(np.abs(g), axis=1) if H is None else np.max(np.abs(H), axis=(1, 2))
+        weight = 1 / np.where(weight > 0, weight, 1.0)
+        programs = ConvexPrograms(
+            None if H is None else H * weight[:, None, None],
+            g * weight[:, None],
+            self.A * column[:, None, :] * row[:, :, None],
+            *(self.lower * row, self.upper * row),
+            *(self.x_lower / column, self.x_upper / column),
+        )
+        return programs, column, row
+
+
+def scales(A: Array, equation: Mask) -> tuple[Array, Array]:
+    """By what unknowns, Shape (N, k), and rows, Shape (N, r), are multiplied for coefficients of the size of limits.
+
+    Args:
+        A: Shape (N, r, k).
+        equation: Rows whose limits are one number, Shape (N, r); others keep their own scale.
+    """
+    size = np.abs(A)
+    largest = np.max(np.where(equation[:, :, None], 0.0, size), axis=1, initial=0.0)
+    largest = np.where(largest > 0, largest, np.max(size, axis=1, initial=0.0))
+    column = 1 / np.where(largest > 0, largest, 1.0)
+    in_row = np.max(size * column[:, None, :], axis=2)
+    return column, np.where(equation & (in_row > 0), 1 / np.where(in_row > 0, in_row, 1.0), 1.0)
+
+
+def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_dual: Array) -> Array:
+    """Largest residual of the Karush-Kuhn-Tucker conditions of each scaled program, Shape (N,).
+
+    A limit is measured against 1 (its own size) and the terms of its row, the gradient against its largest term: the
+    scaled unknowns have the size of the limits, so this bounds the loss of the objective.
+    """
+    value = np.concatenate([apply(programs.A, x), x], axis=1)
+    size = np.concatenate([1 + apply(np.abs(programs.A), np.abs(x)), 1 + np.abs(x)], axis=1)
+    lower = np.concatenate([programs.lower, programs.x_lower], axis=1)
+    upper = np.concatenate([programs.upper, programs.x_upper], axis=1)
+    dual = np.concatenate([row_dual, bound_dual], axis=1)
+    infeasible = np.max(np.maximum(lower - value, value - upper) / size, axis=1, initial=0.0)
+
+    gradient = programs.g + np.einsum("nrk,nr->nk", programs.A, row_dual) + bound_dual
+    terms = np.abs(programs.g) + np.einsum("nrk,nr->nk", np.abs(programs.A), np.abs(row_dual)) + np.abs(bound_dual)
+    if programs.H is not None:
+        gradient = gradient + apply(programs.H, x)
+        terms = terms + apply(np.abs(programs.H), np.abs(x))
+    largest = np.max(terms, axis=1)
+    stationary = np.max(np.abs(gradient), axis=1) / np.where(largest > 0, largest, 1.0)
+    if programs.H is not None:
+        stationary = stationary * (OPTIMALITY_TOLERANCE / GRADIENT_TOLERANCE)
+    # a multiplier needs its limit; one that is rounding counts nothing
+    significant = np.abs(dual) > OPTIMALITY_TOLERANCE * np.max(np.abs(dual), axis=1, keepdims=True, initial=0.0)
+    distance = np.abs(np.where(dual > 0, upper - value, value - lower))
+    complementary = np.max(np.where(significant, distance, 0.0) / size, axis=1, initial=0.0)
+    error: Array = np.maximum(np.maximum(infeasible, stationary), complementary)
+    return np.where(np.isfinite(error), error, np.inf)
+
 
 Found = tuple[Array, Array, Array]
 """Minimisers, row multipliers and bound multipliers of a batch; anything at all where a solver fails."""
@@ -45,15 +144,6 @@ def kernel(programs: ConvexPrograms) -> Found:
 
 def qpoases(programs: ConvexPrograms) -> Found:
     """QpOASES by CasADi's `qpsol`."""
-    return _qpsol("qpoases", {"printLevel": "none", "error_on_fail": False}, programs)
-
-
-def daqp(programs: ConvexPrograms) -> Found:
-    """DAQP by CasADi's `qpsol`, of quadratic programs alone."""
-    return _qpsol("daqp", {"error_on_fail": False}, programs)
-
-
-def _qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Found:
     import casadi as ca  # noqa: PLC0415 (not needed otherwise)
 
     count, rows, unknowns = programs.A.shape
@@ -72,13 +162,13 @@ def _qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Fo
     structure = {"a": ca.Sparsity.dense(rows, unknowns), "h": hessian}
     try:
         with contextlib.redirect_stdout(io.StringIO()):  # qpOASES greets whatever its print level
-            solver = ca.conic("program", plugin, structure, options)
+            solver = ca.conic("program", "qpoases", structure, {"printLevel": "none", "error_on_fail": False})
             solved = solver.map(count)(**{name: ca.DM(value) for name, value in given.items()})
     except RuntimeError:
         # one failure fails the whole map, and qpOASES does not recover from it: each sample gets a new solver
         if count == 1:
             return np.zeros((1, unknowns)), np.zeros((1, rows)), np.zeros((1, unknowns))
-        alone = [_qpsol(plugin, options, programs.at(np.arange(count) == sample)) for sample in range(count)]
+        alone = [qpoases(programs.at(np.arange(count) == sample)) for sample in range(count)]
         x, row_dual, bound_dual = (np.concatenate(part) for part in zip(*alone, strict=True))
         return x, row_dual, bound_dual
     return solved["x"].full().T, solved["lam_a"].full().T, solved["lam_x"].full().T
@@ -116,27 +206,15 @@ SOLVERS: dict[str, Callable[[ConvexPrograms], Found]] = {
     "scipy:highs": scipy_highs,
 }
 
-FALLBACKS = (scipy_highs, qpoases, daqp)
-"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds. DAQP is no
-choice by itself: it gets the quadratic programs that qpOASES leaves."""
+FALLBACKS = (scipy_highs, kernel, qpoases)
+"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds."""
 
 
 def check_solver(name: str) -> None:
-    """Check a registered name."""
+    """InputError unless a name is registered."""
     check_type("solver", name, str)
     if name not in SOLVERS:
         raise InputError("solver", f"there is no such solver; there are {', '.join(SOLVERS)}.", value=name)
-
-
-MOST_ROWS = 32_767
-"""The compiled path keeps the rows of each sample's answer as 16-bit numbers."""
-
-
-def takes_kernel(rows: MotionRows, solver: str) -> bool:
-    """Whether the programs of a motion are those that the compiled path has."""
-    few = len(rows.kept.names) + rows.cell.library.unknowns <= MOST_ROWS
-    free = rows.formulation == "wrench" and rows.sharing is None
-    return solver == "kernel" and free and rows.sparse is not None and few
 
 
 @dataclass(frozen=True)
@@ -144,14 +222,7 @@ class Answers:
     """Minimisers and multipliers of a batch.
 
     Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0 up to a positive factor: a positive multiplier belongs to an
-    upper limit.
-
-    Attributes:
-        x: Shape (N, k).
-        row_dual: Shape (N, r).
-        bound_dual: Shape (N, k).
-        verified: Which answers passed `optimality_error`, Shape (N,).
-        fallbacks: How many of them the first solver did not get.
+    upper limit. Those that passed `optimality_error` are verified, `fallbacks` of them not by the first solver.
     """
 
     x: Array
@@ -166,10 +237,8 @@ def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False
     check_solver(solver)
     chosen = SOLVERS[solver]
     scaled, column, row = programs.scaled()
-    count, rows, unknowns = programs.A.shape
-    x, row_dual = np.zeros((count, unknowns)), np.zeros((count, rows))
-    bound_dual, verified = np.zeros((count, unknowns)), np.zeros(count, dtype=bool)
-    fallbacks = 0
+    x, row_dual, bound_dual = np.zeros_like(programs.g), np.zeros_like(programs.lower), np.zeros_like(programs.g)
+    verified, fallbacks = np.zeros(len(x), dtype=bool), 0
     for solve in (chosen, *(other for other in FALLBACKS if other is not chosen and not alone)):
         todo = ~verified
         part = scaled.at(todo)
@@ -186,11 +255,7 @@ def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False
 
 
 def require_verified(answers: Answers, what: str) -> None:
-    """Raise where no solver could answer.
-
-    Raises:
-        SolverError: Names the first such sample.
-    """
+    """SolverError where no solver could answer, of the first such sample."""
     if not np.all(answers.verified):
         sample = int(np.argmin(answers.verified))
         raise SolverError(

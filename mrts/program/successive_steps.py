@@ -52,8 +52,7 @@ class StepsTaken:
     shares: Array | None = None
 
 
-@dataclass(frozen=True)
-class NoProfile:
+class NoProfileError(Exception):
     """No profile was found within the limits of rates, or none within the longest duration.
 
     Attributes:
@@ -62,8 +61,9 @@ class NoProfile:
         duration: Duration of the fastest profile that was found, where it is too long [s].
     """
 
-    share: float = np.inf
-    duration: float | None = None
+    def __init__(self, share: float = np.inf, duration: float | None = None) -> None:
+        super().__init__()
+        self.share, self.duration = share, duration
 
 
 def successive_steps(
@@ -73,22 +73,23 @@ def successive_steps(
     solver: KernelSolver,
     told: Callable[[int, float], None] = lambda _step, _cost: None,
     accepted: Callable[[SmoothProfile], bool] = lambda _profile: True,
-) -> StepsTaken | NoProfile | SmoothProfile:
+) -> StepsTaken | SmoothProfile:
     """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
     which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
     Within a longest duration it starts from a profile that is fast enough. Where the best one is not `accepted`, or not
     the one that it leads to by room or evenness, it is the answer by itself.
+
+    Raises:
+        NoProfileError: If none is found.
     """
     found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
-    if isinstance(found, NoProfile):
-        return found
     if goal.longest is not None:
         fast = _descent(program, found, Goal(), solver, told, enough=goal.longest)
         duration = cost(program, fast.profile, Goal())
         if duration > goal.longest:
-            return NoProfile(duration=duration)
+            raise NoProfileError(duration=duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
     best = _descent(program, found, goal, solver, told)
     if not accepted(best.profile):
@@ -149,34 +150,35 @@ def _descent(
     return StepsTaken(found, found, tuple(costs), gain)
 
 
-def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile | NoProfile:
+def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile:
     """Any profile within all limits, a fast one: where steps lead, if it can be foreseen, or by relaxed rates."""
-    found: SmoothProfile | NoProfile | None = solver.step(program, likely, goal, moving=True)
+    found = solver.step(program, likely, goal, moving=True)
     if found is not None:
         return found
     least = np.inf
     for slower in range(STARTS):
-        found = _by_relaxation(program, likely / SLOWER**slower, solver)
-        if not isinstance(found, NoProfile):
-            return found
-        least = min(least, found.share)
-    return NoProfile(least)
+        try:
+            return _by_relaxation(program, likely / SLOWER**slower, solver)
+        except NoProfileError as none:
+            least = min(least, none.share)
+    raise NoProfileError(least)
 
 
-def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) -> SmoothProfile | NoProfile:
+def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) -> SmoothProfile:
     """An admissible profile, by ever less relaxed limits of rates."""
     x, before = likely, np.inf
     for _ in range(RELAXED_STEPS):
         found = solver.nearest(program, x)
         if found is None:
-            return NoProfile(before)
+            break
         profile, share = found
         if program.keeps(profile, KEPT):
             return profile
         if not np.all(profile.x > 0) or share > before * (1 - STALLED):
-            return NoProfile(min(share, before))
+            before = min(share, before)
+            break
         x, before = profile.x, share
-    return NoProfile(before)
+    raise NoProfileError(before)
 
 
 def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:

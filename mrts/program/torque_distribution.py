@@ -2,7 +2,6 @@
 """The torques at a chosen c²: where they are redundant a strictly convex quadratic program at every sample."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +10,12 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.torque_weights import WEIGHT_SPREAD, weights_by_limits
 from mrts.cell.cell import Cell
-from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.programs import OPTIMAL, STOPPED
-from mrts.kernel.sample_terms import SampleTerms
-from mrts.program.convex_program import ConvexPrograms
 from mrts.program.formulation import DistributionName
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
-from mrts.program.solvers import require_verified, solve_programs, takes_kernel
+from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, require_verified, solve_programs
 
 TORQUE_WIDENING = 1e-9
 """Share of itself by which each limit is widened: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
@@ -31,10 +27,9 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
     Raises:
         InputError: Unless W is symmetric and positive definite.
     """
-    joints = sum(len(robot.joints) for robot in cell.robots)
+    joints = len(cell.joint_names)
     if weights is None:
-        lower, upper = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
-        return np.diag(weights_by_limits(lower, upper))
+        return np.diag(weights_by_limits(cell.stacked("torque_lower"), cell.stacked("torque_upper")))
     given = as_array("weights", weights)
     if given.shape not in {(), (joints,), (joints, joints)} or not np.all(np.isfinite(given)):
         rule = f"must be finite: a number, or of Shape ({joints},) or ({joints}, {joints})."
@@ -64,10 +59,13 @@ def motion_torques(
         if cell.reserve:
             whole = motion_rows(cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
         return torques_by_blocks(whole, solver, c2, weights, within=lambda problem: reserved(problem, c2, solver))
-    if rows.sparse is None or not takes_kernel(rows, solver):
+    if solver != DEFAULT_SOLVER or not rows.compiled:
         return torques_by_blocks(rows, solver, c2, weights)
-    terms, square = rows.terms(float(np.sqrt(c2))), np.full(rows.motion.samples, c2)
-    torque, wrench, status = least_torques(rows.cell.library, rows.inputs(None), rows.sparse, terms, square, weights)
+    count, library = rows.motion.samples, rows.cell.library
+    torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))
+    status, W = np.full(count, STOPPED, dtype=np.uint8), np.ascontiguousarray(weights)
+    asked, outputs = [np.full(count, c2)], (torque, wrench, status)
+    rows.over_samples("mrts_torques", asked, outputs, (1, W, TORQUE_WIDENING), speed=float(np.sqrt(c2)))
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     if missing.size:
         torque[missing], wrench[missing], fallbacks = torques_by_blocks(rows, solver, c2, weights, missing)
@@ -94,7 +92,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
     g = np.einsum("nij,ik,nk->nj", free, weights, others)
     lower, upper = problem.limits_at(speed)
-    widening = np.where(problem.limit_lower < problem.limit_upper, TORQUE_WIDENING, 0.0)
+    widening = TORQUE_WIDENING * (problem.limit_lower < problem.limit_upper)
     programs = ConvexPrograms(
         H=H,
         g=g,
@@ -107,21 +105,6 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     answers = solve_programs(programs, solver)
     require_verified(answers, f"torques for c² = {np.min(c2):g}")
     return np.concatenate([answers.x, speed], axis=1), answers.fallbacks
-
-
-def least_torques(
-    library: CellLibrary, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, c2: Array, weights: Array
-) -> tuple[Array, Array, NDArray[np.uint8]]:
-    """`distribute_torques` at all samples in one call of the kernel; inputs are those of the wrench form.
-
-    Returns:
-        Torques, Shape (N, m), wrenches, Shape (N, n w), and statuses, Shape (N,).
-    """
-    torque, wrench = np.zeros((len(c2), library.joints)), np.zeros((len(c2), library.wrenches))
-    status, W = np.full(len(c2), STOPPED, dtype=np.uint8), np.ascontiguousarray(weights)
-    outputs: list[NDArray[Any]] = [torque, wrench, status]
-    library.over_samples("mrts_torques", len(c2), inputs, limits, terms, [c2], outputs, (1, W, TORQUE_WIDENING))
-    return torque, wrench, status
 
 
 def torques_by_blocks(

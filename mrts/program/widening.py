@@ -5,12 +5,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.programs import OPTIMAL, STOPPED
-from mrts.program.convex_program import ConvexPrograms
 from mrts.program.motion_rows import MotionRows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.solvers import DEFAULT_SOLVER, require_verified, solve_programs
+from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, require_verified, solve_programs
 
 
 def least_widening(
@@ -90,9 +88,12 @@ def motion_widening(
     if not len(places):
         return np.zeros(0)
     share, left = np.zeros(len(places)), np.arange(len(places))
-    if rows.sharing is None and rows.formulation == "wrench" and rows.sparse is not None:
-        share, status = _kernel_widening(rows, rows.sparse, c2, load, places)
-        left = np.flatnonzero(status != OPTIMAL)
+    if rows.compiled:
+        speed = np.sqrt(_of_samples(c2[:, None], places, count)) if rows.has_speed_terms else 1.0
+        status, units = np.full(len(places), STOPPED, dtype=np.uint8), rows.given.units[~rows.is_cap]
+        outputs = share, status
+        rows.over_samples("mrts_widenings", [c2], outputs, (units,), load=load, speed=speed, samples=places)
+        share, left = np.maximum(share, _passed_caps(rows, c2, places)), np.flatnonzero(status != OPTIMAL)
     if left.size:
         carried = load if load is None or load.ndim == 1 else _of_samples(load[left], places[left], count)
         problem = build_sample_problem(rows, load=carried, samples=places[left])
@@ -106,28 +107,10 @@ def _of_samples(values: Array, places: NDArray[np.intp], count: int) -> Array:
     return whole
 
 
-def _kernel_widening(
-    rows: MotionRows, sparse: SparseLimits, c2: Array, load: Array | None, places: NDArray[np.intp]
-) -> tuple[Array, NDArray[np.uint8]]:
-    count = rows.motion.samples
-    terms = rows.terms(np.sqrt(_of_samples(c2[:, None], places, count)) if rows.has_speed_terms else 1.0)
-    inputs = rows.inputs(None)
-    if len(places) < count:
-        inputs = {name: value if value.ndim == 1 else value[places] for name, value in inputs.items()}
-        terms = terms.at(places)
-    if load is not None:
-        inputs["load"] = load
-    share, status = np.zeros(len(places)), np.full(len(places), STOPPED, dtype=np.uint8)
-    units = np.ascontiguousarray(rows.size[~rows.is_cap])
-    asked = len(places), inputs, sparse, terms, [c2]
-    rows.cell.library.over_samples("mrts_widenings", *asked, [share, status], (units,))
-    return np.maximum(share, _passed_caps(rows, c2, places)), status
-
-
 def _passed_caps(rows: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:
     """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,)."""
     if rows.rows.square is None or not np.any(rows.is_cap):
         return np.zeros(len(samples))
-    lower, upper, size = rows.rows.lower[rows.is_cap], rows.rows.upper[rows.is_cap], rows.size[rows.is_cap]
+    lower, upper, size = rows.rows.lower[rows.is_cap], rows.rows.upper[rows.is_cap], rows.given.units[rows.is_cap]
     value = rows.rows.square[np.ix_(samples, rows.is_cap)] * c2[:, None]
     return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))

@@ -12,9 +12,8 @@ from mrts.base.arrays import Array
 from mrts.base.notebook.in_notebooks import NotebookTable
 from mrts.base.words import interval_text
 from mrts.limits import all_rows
-from mrts.limits.circles import polygons
-from mrts.limits.rows import TORQUE_SPEED, RowName, side_size
-from mrts.program.motor_terms import motor_terms
+from mrts.limits.rows import TORQUE_SPEED, RowName, polygons, side_size
+from mrts.program.motion_rows import motor_terms
 from mrts.program.rate_limits import given_rate_limits, rate_names
 
 if TYPE_CHECKING:
@@ -219,7 +218,7 @@ def power_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
     cell, power = done.cell, np.column_stack([done.power, np.sum(done.power, axis=1)])
     names = [RowName("power", robot.name, joint, "W") for robot in cell.robots for joint in robot.joints]
     rows = (*names, RowName("power", "", "all motors together", "W"))
-    unit = np.concatenate([*(robot.motors.power for robot in cell.robots), [cell.power_limit or np.inf]])
+    unit = np.append(cell.stacked("motors.power"), cell.power_limit or np.inf)
     limit = np.broadcast_to(unit, power.shape)
     found = LimitedQuantities(rows, power, -limit, limit, np.abs(power) / limit, unit)
     return found.only(found.limited).uses(done.time)

@@ -203,7 +203,7 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
     inward = 1.0 if every else -1.0
     low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in SIDES)
     choice = np.array([first_least(-low), first_least(high)])
-    codes, own = np.stack(same_width([found.codes for found in ranges])), np.indices(choice.shape)
+    codes, own = np.stack(same_width(*[found.codes for found in ranges])), np.indices(choice.shape)
     of_samples: dict[int, list[Conflict]] = {}
     for point, found in zip(points, ranges, strict=True):
         for conflict in found.conflicts:

@@ -15,7 +15,7 @@ from mrts.base.load_box import LoadBox
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import Limit
-from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.between_samples import BETWEEN, checked_tolerance
 from mrts.program.formulation import DISTRIBUTIONS, DistributionName, FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows

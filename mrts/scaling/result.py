@@ -21,8 +21,8 @@ from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows
-from mrts.program.excess import Excess
-from mrts.program.motor_terms import motor_terms
+from mrts.program.between_samples import Excess
+from mrts.program.motion_rows import motor_terms
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK

@@ -21,8 +21,7 @@ from mrts.limits.rows import rows_text
 from mrts.motion.joint_table import NO_SPEED, JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.program.between_samples import Refinement, refine
-from mrts.program.excess import BETWEEN
+from mrts.program.between_samples import BETWEEN, Refinement, refine
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
 from mrts.program.load_sharing import LoadSharing

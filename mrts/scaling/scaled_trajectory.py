@@ -13,7 +13,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.motors import JointDuty, joint_duty
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.limits.cell_limits import torque_limits
-from mrts.program.motor_terms import motor_terms
+from mrts.program.motion_rows import motor_terms
 
 
 @dataclass(frozen=True)

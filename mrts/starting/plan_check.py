@@ -21,12 +21,11 @@ from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
 from mrts.following.grasp_closure import ClosureBound, grasp_gaps, mean_object
-from mrts.limits.rows import RowName, row_names
+from mrts.limits.rows import RowName, joint_rows, row_names
 from mrts.motion.joint_table import joint_contradictions
 from mrts.motion.rounded_samples import derivative
 from mrts.motion.rows_at_rest import moving_rows, pushing_ends
-from mrts.program.motion_rows import motion_rows
-from mrts.program.motor_terms import motor_terms, travel_directions
+from mrts.program.motion_rows import motion_rows, motor_terms, travel_directions
 from mrts.program.reserve import reserved, without_unmoved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -287,17 +286,13 @@ def _given_torques(
     asked = torques(wrench)[rows]
     residual = np.abs(tau - asked)
     before, after = travel_directions(motion)[:, rows]
-    coulomb = np.concatenate([robot.motors.coulomb for robot in cell.robots])
+    coulomb = cell.stacked("motors.coulomb")
     residual = np.maximum(residual - coulomb * (1 - np.abs(before + after) / 2), 0.0)  # a joint at rest may take it
     wrench = wrench + moved[:, :, 0]
     torque = torques(wrench)
     torque[rows], wrench[rows] = tau, F
-    names = [
-        name
-        for robot in cell.robots
-        for name in row_names("torque residual", robot.name, robot.joints, robot.torque_units)
-    ]
-    limit = np.concatenate([np.maximum(-robot.torque_lower, robot.torque_upper) for robot in cell.robots])
+    names = joint_rows(cell, "torque residual", "torque_units")
+    limit = np.maximum(-cell.stacked("torque_lower"), cell.stacked("torque_upper"))
     limit = RESIDUAL * np.where(np.isfinite(limit), limit, np.max(np.abs([tau, asked]), axis=(0, 1)))
     of_object = row_names("balance residual", "object", cell.wrench_components, cell.wrench_units)
     carried = (terms["P"] + terms["Q"])[rows]
@@ -330,12 +325,8 @@ def _rates(cell: Cell, at_rows: CoordinatedMotion, torque: Array, wrench: Array,
 
 def _positions(cell: Cell, at: Array, q: Array) -> list[LimitUse]:
     """How far joints are from the middle of their ranges, as shares of half of these."""
-    names = [
-        name for robot in cell.robots for name in row_names("position", robot.name, robot.joints, robot.position_units)
-    ]
-    lower, upper = (
-        np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
-    )
+    names = joint_rows(cell, "position", "position_units")
+    lower, upper = cell.stacked("position_lower"), cell.stacked("position_upper")
     own = np.flatnonzero(np.isfinite(lower) & np.isfinite(upper))
     lower, upper = lower[own], upper[own]
     middle, half = (lower + upper) / 2, (upper - lower) / 2
@@ -350,11 +341,7 @@ def _positions(cell: Cell, at: Array, q: Array) -> list[LimitUse]:
 
 def _ends(cell: Cell, time: Array, dq: Array) -> list[LimitUse]:
     """Velocities at both ends, which must be none."""
-    names = [
-        name
-        for robot in cell.robots
-        for name in row_names("end velocity", robot.name, robot.joints, robot.position_units, per="/s")
-    ]
+    names = joint_rows(cell, "end velocity", "position_units", "/s")
     units = np.array([name.unit for name in names])
     most = np.max(np.abs(dq), axis=0)
     limit = AT_REST * np.array([np.max(most[units == unit]) for unit in units])

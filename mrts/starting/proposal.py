@@ -15,7 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import pose_keys
 from mrts.collisions.clearance import clearance_remarks
 from mrts.motion.motion_file import MotionDescription, sample_motion
-from mrts.program.excess import BETWEEN
+from mrts.program.between_samples import BETWEEN
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.starting.arm import Arm

@@ -17,7 +17,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.following.tracking import OUT_OF_REACH, TrackedVariants, TrackingFailure, branches_at_start, follow_from
 from mrts.limits.rows import row_labels
 from mrts.motion.object_motion import ObjectMotion
-from mrts.program.excess import BETWEEN
+from mrts.program.between_samples import BETWEEN
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.range_status import RangeStatus
 from mrts.program.solvers import DEFAULT_SOLVER

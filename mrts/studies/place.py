@@ -23,7 +23,7 @@ from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
-from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.between_samples import BETWEEN, checked_tolerance
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.scaling.result import ScalingResult

@@ -17,14 +17,12 @@ from mrts.cell.cell import Cell
 from mrts.cell.number_paths import Keys
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
 from mrts.following.tracking import TrackedVariants, track_variants
-from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
-from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import PATH, REFUSED
 from mrts.kernel.variants import variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, kernel_limits
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
@@ -285,15 +283,8 @@ class VariantBatch:
         for kind, names in every.items():
             rows = [row for row, name in enumerate(self.rows.names) if name.kind == kind]
             self._places[kind] = rows, [names.index(self.rows.names[row]) for row in rows]
-        turned = self.rows.object_axes
-        self._sparse = SparseLimits(
-            matrix=self.rows.matrix,
-            lower=self.rows.lower,
-            upper=self.rows.upper,
-            group=[name.group for name in self.rows.names],
-            base=None if turned is None else turned.base,
-            axes=(0, 1, 2) if turned is None else turned.axes,
-        )
+        self._sparse, matrix = kernel_limits(cell, self.rows), self.rows.matrix
+        self._values = matrix[np.nonzero(matrix)]
         self._varied = {entry.name for entry in entries}
         each = len(motion.time) * (3 * m + (0 if self._varied.isdisjoint(PATH_ENDS) else 25)) * 8
         self.block = max(1, BLOCK_BYTES // each)
@@ -323,7 +314,7 @@ class VariantBatch:
         given = {**path, "geometry": geometry, "load": load_vectors(numbers), **self._limits(numbers)}
         given["cap_share"] = self._cap_shares(given, tracked)
         asked = given | {"most": largest_square(given["cap_share"])}
-        found = variant_ranges(self._cell.library, joints, ~tracked.followed, self._sparse, SampleTerms(), asked)
+        found = variant_ranges(self._cell.library, joints, ~tracked.followed, self._sparse, asked)
         return given, tracked, found
 
     def _cap_shares(self, given: Mapping[str, Array], tracked: TrackedVariants) -> Array:
@@ -362,7 +353,7 @@ class VariantBatch:
             for kind, (rows, places) in self._places.items():
                 for side, limits in sides.items():
                     limits[:, rows] = numbers[f"{kind}_{side}"][:, places]
-        joints = np.concatenate([robot.velocity_limit for robot in self._cell.robots])
+        joints = self._cell.stacked("velocity_limit")
         of_object = numbers["object_velocity"]
         velocity = np.column_stack([np.repeat(joints[None], len(of_object), axis=0), of_object])
         if not self._cell.enforces_velocity_limits:
@@ -372,7 +363,7 @@ class VariantBatch:
             shrunk = [replace(self.rows, lower=low, upper=high).shrunk(self._reserve) for low, high in pairs]
             sides = {side: np.array([getattr(rows, side) for rows in shrunk]) for side in sides}
             velocity = (1 - self._reserve) * velocity
-        return {**sides, "velocity": velocity, "values": self._sparse.values[None]}
+        return {**sides, "velocity": velocity, "values": self._values[None]}
 
     def _rows(
         self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]

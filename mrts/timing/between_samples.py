@@ -11,11 +11,9 @@ from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
-from mrts.limits.circles import in_circles
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, in_circles
 from mrts.motion.object_courses import PoseSplines, ProfiledPath
-from mrts.program.between_samples import COARSE
-from mrts.program.excess import BETWEEN, Excess, RowOrFinder
+from mrts.program.between_samples import BETWEEN, COARSE, Excess, RowOrFinder
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem

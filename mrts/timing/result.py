@@ -20,7 +20,7 @@ from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.program.excess import Excess
+from mrts.program.between_samples import Excess
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus

@@ -19,7 +19,7 @@ from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import Limit
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.program.excess import BETWEEN
+from mrts.program.between_samples import BETWEEN
 from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_solver import KernelSolver

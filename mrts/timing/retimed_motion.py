@@ -15,7 +15,7 @@ from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.binding import structure
 from mrts.kernel.cell_library import CellLibrary
 from mrts.motion.object_motion import unchecked_object_motion
-from mrts.program.motor_terms import travel_directions
+from mrts.program.motion_rows import travel_directions
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.successive_steps import StepsTaken
 from mrts.timing.fastest_profile import SpeedProfile, segment_times

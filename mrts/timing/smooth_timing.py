@@ -20,7 +20,7 @@ from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
+from mrts.program.successive_steps import NoProfileError, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
@@ -145,18 +145,17 @@ def smooth_timing(
         InputError: If the least energy is asked for of a motion that stops on its way.
         SolverError: If no solver answers.
     """
-    bare, timed = question.bare, []
+    bare = question.bare
     status = RetimingStatus.LOCALLY_OPTIMAL
     untimed = RetimingResult(bare.cell, motion, bare.given, bare.options, status, loads=bare.loads)
     parts = _parts(question, motion, smooth_pieces(before))
     if question.goal.longest is not None and len(parts) > 1:
         raise InputError("least_energy_in", "goes with a motion that does not stop on its way: ask for each part.")
-    for part in parts:
-        program, found = _timed(question, part, progress)
-        if isinstance(found, NoProfile):
-            status, why = _why(question, found)
-            return replace(untimed, status=status, explanation=why)
-        timed.append((part, program, found))
+    try:
+        timed = [(part, *_timed(question, part, progress)) for part in parts]
+    except NoProfileError as none:
+        status, why = _why(question, none)
+        return replace(untimed, status=status, explanation=why)
     if sum(float(np.sum(program.times(found.profile.x))) for _, program, found in timed) < UNBOUNDED * question.usual:
         why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
         return replace(untimed, status=RetimingStatus.UNBOUNDED, explanation=why)
@@ -194,7 +193,7 @@ def _likely(question: SmoothQuestion, part: _Part, ends: tuple[float | None, flo
     return x
 
 
-def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[SmoothProgram, StepsTaken | NoProfile]:
+def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[SmoothProgram, StepsTaken]:
     """The timing of a piece, and the limits that it was found with.
 
     Few corners of a box bind. So programs have the limits of one load, and while a best profile, or one with room,
@@ -227,8 +226,6 @@ def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[S
     likely = _likely(question, part, program.ends)
     while True:
         found = successive_steps(program, likely, question.goal, question.solver, told, accepted)
-        if isinstance(found, NoProfile):
-            return program, found
         if isinstance(found, StepsTaken):
             carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
             free = np.concatenate([carried[place] for place in loads], axis=1)
@@ -246,7 +243,7 @@ def _widening(program: SmoothProgram, profile: SmoothProfile) -> float:
     return float(np.max(least_widening(program.free, *limits, all_rows, anywhere, DEFAULT_SOLVER, what, least=-1.0)[0]))
 
 
-def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, str]:
+def _why(question: SmoothQuestion, found: NoProfileError) -> tuple[RetimingStatus, str]:
     if found.duration is not None:
         return RetimingStatus.TOO_SHORT, (
             f"the motion cannot be done in {question.goal.longest:.6g} s; the fastest timing within the limits of "

@@ -10,7 +10,7 @@ from conftest import ROOT
 
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import one_text
-from mrts.kernel.cell_library import SparseLimits
+from mrts.kernel.cell_library import sparse_limits
 
 C = ROOT / "mrts" / "kernel" / "c"
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
@@ -104,4 +104,4 @@ def test_a_library_that_lacks_a_function_is_refused():
 
 def test_reversed_limits_are_refused():
     with pytest.raises(ValueError, match=r"rows \[1\]"):
-        SparseLimits(matrix=np.eye(2), lower=np.array([0.0, 1.0]), upper=np.array([1.0, 0.0]), group=("N", "N"))
+        sparse_limits(np.eye(2), np.array([0.0, 1.0]), np.array([1.0, 0.0]), ("N", "N"))

@@ -11,25 +11,12 @@ from random_programs import cell_programs, hard_programs
 import mrts
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
-from mrts.program.convex_program import ConvexPrograms, optimality_error
-from mrts.program.solvers import solve_programs
+from mrts.program.solvers import ConvexPrograms, optimality_error, solve_programs
 
-LINEAR_PROGRAMS = 34_000
-
-QUADRATIC_PROGRAMS = 3_360
-
-HARD = 20
-
+LINEAR_PROGRAMS, QUADRATIC_PROGRAMS, HARD = 34_000, 3_360, 20
 SAMPLES = 84  # of one sequence of slowly changing programs
-
 UNBOUNDED = 1e9
-
-OBJECTIVE_TOLERANCE = 1e-9
-
-RESIDUAL_TOLERANCE = 1e-9
-
-COMBINATION_TOLERANCE = 1e-9
-
+OBJECTIVE_TOLERANCE = RESIDUAL_TOLERANCE = COMBINATION_TOLERANCE = 1e-9
 SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
 
 
@@ -123,7 +110,7 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
                 g = np.zeros(k)
                 g[-1] = direction
                 programs = ConvexPrograms(None, g[None], A[None], lower[None], upper[None], low[None], high[None])
-                scaled, column, row = programs.scaled()
+                scaled, *_ = programs.scaled()
                 ends = (np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper]))
                 x, dual, status = kernel.linear_programs(scaled.g, scaled.A, *ends)
                 theirs, value = Highs(rows, k).solve(scaled.g[0], scaled.A[0], scaled.lower[0], scaled.upper[0],
@@ -142,8 +129,6 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
                     if theirs == highspy.HighsModelStatus.kOptimal:
                         # HiGHS stops at its own tolerance, which degenerate data magnify
                         assert abs(scaled.g[0] @ x[0] - value) <= 1e-7 * max(1, abs(value)), (kind, seed)
-                assert column.shape == (1, k)
-                assert row.shape == (1, rows)
     assert seen["degenerate vertex", OPTIMAL] == seen["scales of 1e-6 to 1e6", OPTIMAL] == 2 * HARD
     # a certificate of large multipliers may be too weak to separate by 1e-6
     assert seen["infeasible by 1e-6", INFEASIBLE] >= 2 * HARD * 0.95

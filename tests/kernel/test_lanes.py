@@ -14,15 +14,14 @@ import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.c_text import cell_source
-from mrts.kernel.cell_library import CellLibrary, SparseLimits
+from mrts.kernel.cell_library import CellLibrary, sparse_limits
 from mrts.kernel.compiler import FLAGS
-from mrts.kernel.programs import OPTIMAL
-from mrts.kernel.sample_terms import SampleTerms
+from mrts.kernel.programs import OPTIMAL, Programs
 from mrts.kernel.tracking import closure_sizes
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.torque_distribution import least_torques
+from mrts.program.torque_distribution import TORQUE_WIDENING
 from mrts.timing.retimed_motion import path_places
 
 C = ROOT / "mrts" / "kernel" / "c"
@@ -69,16 +68,16 @@ def answers(request, tmp_path_factory):
     motion = mrts.follow_object(cell, sampled(shipped_motion(request.param, samples=SAMPLES)))
     rows = limit_rows(cell.without_velocity_limits(), motion)
     matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
-    limits = SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=[name.unit for name in rows.names])
+    limits = sparse_limits(matrix, rows.lower, rows.upper, [name.unit for name in rows.names])
     rng = np.random.default_rng(0)
     size = np.where(np.isfinite(rows.upper), np.abs(rows.upper), 0)
-    terms = SampleTerms(
-        square=rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
-        offset=rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
-        margin=rng.random((SAMPLES, len(matrix))) * size * 1e-3,
-        torque_square=rng.normal(size=(SAMPLES, motion.q.shape[1])),
-        torque_offset=rng.normal(size=(SAMPLES, motion.q.shape[1])),
-    )
+    terms = {
+        "square": rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
+        "offset": rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
+        "margin": rng.random((SAMPLES, len(matrix))) * size * 1e-3,
+        "torque_square": rng.normal(size=(SAMPLES, motion.q.shape[1])),
+        "torque_offset": rng.normal(size=(SAMPLES, motion.q.shape[1])),
+    }
     all_inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
     W = rng.uniform(0.5, 2.0, size=motion.q.shape[1])
     all_c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
@@ -90,7 +89,7 @@ def answers(request, tmp_path_factory):
         count, c2 = len(at), all_c2[at]
         inputs = {name: value[at] if value.ndim > 1 else value for name, value in all_inputs.items()}
         known = {}
-        for kind, added in (("plain", SampleTerms()), ("more", terms.at(at))):
+        for kind, added in (("plain", {}), ("more", {name: of[at] for name, of in terms.items()})):
             lower, upper, effect, widening = np.zeros((4, count))
             status, unread = np.zeros((3, count), dtype=np.uint8), np.zeros((2, count, library.unknowns))
             of_ranges = [lower, upper, *status[:2], effect, *unread.astype(np.int16), *unread.astype(np.float32)]
@@ -99,14 +98,16 @@ def answers(request, tmp_path_factory):
             numbers = {"lower": lower, "upper": upper, "effect": effect, "status": status[:2].T, "widening": widening}
             known |= {f"{kind} {name}": value for name, value in numbers.items()}
             for weights, W_all in (("diagonal", np.eye(len(W))), ("full", np.diag(W) + 0.1 * np.outer(W, W))):
-                speed = np.full(count, 0.5)
-                torque, _, status = least_torques(library, inputs, limits, added, speed, W_all)
+                torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))
+                status, asked = np.zeros(count, dtype=np.uint8), [np.full(count, 0.5)]
+                of_torques, for_all = [torque, wrench, status], (1, W_all, TORQUE_WIDENING)
+                library.over_samples("mrts_torques", count, inputs, limits, added, asked, of_torques, for_all)
                 known |= {f"{kind} {weights} torque": torque, f"{kind} {weights} status": status}
         of_path = problem.at(at)
         effect = np.max(np.abs(of_path.A), axis=1)
         scale = np.divide(1.0, effect, out=np.zeros_like(effect), where=effect > 0)
         far = np.full((count, 2), 1e5) * (scale[:, -2:] > 0)
-        number, corners, known["projected status"] = library.programs.projections(
+        number, corners, known["projected status"] = Programs(library.opened).projections(
             of_path.A, of_path.lower, of_path.upper, scale, (np.column_stack([-far[:, 0], 0 * far[:, 1]]), far)
         )
         known["reach"] = np.array(reaches(number, corners))

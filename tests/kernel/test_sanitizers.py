@@ -121,12 +121,7 @@ assert mrts.retime(cell, followed).pieces
     [
         [SANITIZED, ROOT / "tests" / "cases"],
         [SANITIZED_SMOOTH, ROOT / "tests" / "cases"],
-        [
-            SANITIZED_VARIANTS,
-            ROOT / "tests" / "study_cases",
-            DATA / "cell.yaml",
-            DATA / "lift.yaml",
-        ],
+        [SANITIZED_VARIANTS, ROOT / "tests" / "study_cases", DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml"],
         [SANITIZED_SCALING, UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"],
         [SANITIZED_SCALING, DATA / "cell.yaml", DATA / "lift.yaml", "--share", "equal", "--profile", "optimal"],

@@ -17,10 +17,8 @@ SAME = 1e-8
 def with_contacts(cell, *of_robots):
     """The cell with other contacts and no other limits of wrenches, robot by robot."""
     free = cell.without_wrench_limits()
-    return replace(
-        free,
-        robots=tuple(replace(robot, contacts=contacts) for robot, contacts in zip(free.robots, of_robots, strict=True)),
-    )
+    robots = (replace(robot, contacts=own) for robot, own in zip(free.robots, of_robots, strict=True))
+    return replace(free, robots=tuple(robots))
 
 
 def random_contacts(rng, cell):
@@ -51,9 +49,8 @@ def random_contacts(rng, cell):
         ]
         kinds = [(held,), (cup,), (held, boxes[0]), (boxes[1], boxes[2]), (pressed,), ()]
         contacts.append(kinds[int(rng.choice(len(kinds), p=[0.25, 0.15, 0.2, 0.2, 0.1, 0.1]))])
-    return replace(
-        cell, robots=tuple(replace(robot, contacts=own) for robot, own in zip(cell.robots, contacts, strict=True))
-    )
+    robots = (replace(robot, contacts=own) for robot, own in zip(cell.robots, contacts, strict=True))
+    return replace(cell, robots=tuple(robots))
 
 
 @pytest.mark.parametrize("draw", [random_planar_cell, random_spatial_cell])
@@ -65,10 +62,7 @@ def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
         case = draw(rng, tmp_path / str(number), 2 + number % 2)
         cell = random_contacts(rng, case.cell.without_velocity_limits())
         try:
-            ours, theirs = (
-                mrts.scale(cell, case.motion),
-                mrts.scale(cell, case.motion, solver="qpsol:qpoases"),
-            )
+            ours, theirs = (mrts.scale(cell, case.motion, solver=solver) for solver in ("kernel", "qpsol:qpoases"))
         except mrts.MotionError:
             continue
         assert ours.status is theirs.status

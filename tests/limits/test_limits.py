@@ -65,14 +65,9 @@ def limited(given, kind, limit):
 
     def more(cell, motion):
         torques, columns = columns_of(kind, motion)
-        return LimitRows(
-            names=(mrts.RowName(kind, "left", "mine", "X"),),
-            lower=np.array([-limit]),
-            upper=np.array([limit]),
-            torque_matrix=torques,
-            wrench_matrix=np.zeros((1, len(cell.robots) * len(cell.wrench_components))),
-            **columns,
-        )
+        sides = {"lower": np.array([-limit]), "upper": np.array([limit])}
+        names = [mrts.RowName(kind, "left", "mine", "X")]
+        return LimitRows.of(cell, names=names, **sides, torque_matrix=torques, **columns)
 
     return given.with_limits(more)
 
@@ -189,15 +184,9 @@ def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, 
     change, message = WRONG_ROWS[wrong]
 
     def splash(cell, motion):
-        rows = LimitRows(
-            names=tuple(mrts.RowName("acceleration", "object", axis, "m/s²") for axis in "xy"),
-            lower=np.full(2, -2.0),
-            upper=np.full(2, 2.0),
-            torque_matrix=np.zeros((2, motion.q.shape[1])),
-            wrench_matrix=np.zeros((2, len(cell.robots) * len(cell.wrench_components))),
-            square=motion.object.acceleration[:, :2],
-        )
-        return change(rows)
+        names = [mrts.RowName("acceleration", "object", axis, "m/s²") for axis in "xy"]
+        sides = {"lower": np.full(2, -2.0), "upper": np.full(2, 2.0)}
+        return change(LimitRows.of(cell, names=names, **sides, square=motion.object.acceleration[:, :2]))
 
     solvers = [mrts.scale, mrts.retime] + [lambda cell, _motion: embedded_limits(cell)] * (wrong in {"nothing", "text"})
     for solve in solvers:

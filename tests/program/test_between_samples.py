@@ -12,7 +12,7 @@ from shipped_cells import sampled, shipped_motion
 
 import mrts
 from mrts.motion.motion_file import MotionDescription, sample_motion
-from mrts.program.excess import BETWEEN
+from mrts.program.between_samples import BETWEEN
 
 DRAWN = int(os.environ.get("BETWEEN_MOTIONS", "10"))
 SEED = 11

@@ -8,8 +8,7 @@ from random_motors import equipped
 
 import mrts
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
-from mrts.program.motion_rows import motion_rows
-from mrts.program.motor_terms import motor_terms, travel_directions
+from mrts.program.motion_rows import motion_rows, motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem
 
 
