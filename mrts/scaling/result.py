@@ -22,7 +22,6 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows
 from mrts.program.between_samples import Excess
-from mrts.program.motion_rows import motor_terms
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
@@ -307,23 +306,8 @@ class ScalingResult(Result):
         done = self.trajectory
         if done is None:
             raise ValueError("there is no trajectory to check")
-        cell = self.cell
-        inputs, motors = self.motion.inputs(cell.load), motor_terms(cell, self.motion)
-        arms = carried = 0.0
-        for start in range(0, self.motion.samples, BLOCK):
-            part = slice(start, start + BLOCK)
-            torque, wrench = done.torque[part], done.wrench[part]
-            block = {name: value[part] if name != "load" else value for name, value in inputs.items()}
-            terms = cell.functions("terms", len(torque), block)
-            rest = torque - terms["E"] * done.c2 - terms["G"]
-            if motors is not None:
-                rest -= motors.at(part).torque(done.c)
-            for name, joints in cell.joint_slices.items():
-                J, F = terms["J"][:, :, joints], wrench[:, cell.wrench_slices[name]]
-                rest[:, joints] -= np.einsum("nwj,nw->nj", J, F)
-            balance = np.einsum("nij,nj->ni", terms["B"], wrench) - terms["P"] * done.c2 - terms["Q"]
-            arms, carried = max(arms, float(np.max(np.abs(rest)))), max(carried, float(np.max(np.abs(balance))))
-        return Residuals(largest_excess(limit_rows(cell, self.motion), done), arms, carried)
+        arms, carried = (float(np.max(np.abs(of))) for of in (done.torque - done.inverse_dynamics, done.unbalanced))
+        return Residuals(largest_excess(limit_rows(self.cell, self.motion), done), arms, carried)
 
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values; null stands for an unbounded end."""

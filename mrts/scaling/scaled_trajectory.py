@@ -139,14 +139,33 @@ class ScaledTrajectory:
         """Energy that the motors give, Σ ∫ q̇ᵀ τ dt (remark after (34)), by the trapezoidal rule [J]."""
         return float(accumulated_energy(self.time, self.power)[-1])
 
+    @property
+    def terms(self) -> dict[str, Array]:
+        """Coefficients of (11) to (22) at the samples, with the load that is carried."""
+        return self.cell.functions("terms", self.motion.samples, self.motion.inputs(self.cell.load))
+
+    @property
+    def inverse_dynamics(self) -> Array:
+        """Eq. (13): τ that the motion takes with the contact wrenches, Shape (N, m) [N m or N]."""
+        terms, motors = self.terms, motor_terms(self.cell, self.motion)
+        torque: Array = terms["E"] * self.c2 + terms["G"] + (0.0 if motors is None else motors.torque(self.c))
+        for name, joints in self.cell.joint_slices.items():
+            J, F = terms["J"][:, :, joints], self.wrench[:, self.cell.wrench_slices[name]]
+            torque[:, joints] += np.einsum("nwj,nw->nj", J, F)
+        return torque
+
+    @property
+    def unbalanced(self) -> Array:
+        """Eq. (20): P c² + Q - B F, what the contact wrenches lack of what moves the object, Shape (N, w) [N, N m]."""
+        terms = self.terms
+        lacking: Array = terms["P"] * self.c2 + terms["Q"] - np.einsum("nij,nj->ni", terms["B"], self.wrench)
+        return lacking
+
     @cached_property
     def internal_wrench(self) -> Array:
         """F - B⁺ B F with B = [B_1 … B_n], the part of F that does not move the object, Shape (N, n w) [N, N m]."""
-        B = self.cell.functions("terms", self.motion.samples, self.motion.inputs(self.cell.load))["B"]
-        transposed = B.transpose(0, 2, 1)
-        carried = transposed @ np.linalg.solve(B @ transposed, B @ self.wrench[:, :, None])
-        internal: Array = self.wrench - carried[:, :, 0]
-        return internal
+        B = self.terms["B"]
+        return self.wrench - least_wrenches(B, np.einsum("nij,nj->ni", B, self.wrench))
 
     def to_json(self) -> dict[str, Any]:
         """Entries of the JSON result."""
@@ -171,6 +190,13 @@ class ScaledTrajectory:
             "joint_duty": {name: duty.to_json() for name, duty in self.duty.items()},
         }
         return output | ({"torque_friction": by_robot(joints, self.friction)} if self.has_friction else {})
+
+
+def least_wrenches(B: Array, total: Array) -> Array:
+    """B⁺ of a wrench on the object: the least contact wrenches that give it, Shape (N, n w); B and it (N, w, …)."""
+    transposed = B.transpose(0, 2, 1)
+    least: Array = transposed @ np.linalg.solve(B @ transposed, total[:, :, None])
+    return least[:, :, 0]
 
 
 def accumulated_energy(time: Array, power: Array) -> Array:

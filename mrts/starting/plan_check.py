@@ -2,7 +2,7 @@
 """The last look before a robot moves: a plan's own numbers against every limit of its cell, whoever made the plan."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import NoneType
 from typing import Any, Literal
@@ -25,7 +25,7 @@ from mrts.limits.rows import RowName, joint_rows, row_names
 from mrts.motion.joint_table import joint_contradictions
 from mrts.motion.rounded_samples import derivative
 from mrts.motion.rows_at_rest import moving_rows, pushing_ends
-from mrts.program.motion_rows import motion_rows, motor_terms, travel_directions
+from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved, without_unmoved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -34,7 +34,7 @@ from mrts.scaling.limit_use import LimitedQuantities, LimitUse, by_share, limit_
 from mrts.scaling.options import Options
 from mrts.scaling.remarks import overload_remarks
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.scaled_trajectory import ScaledTrajectory, least_wrenches
 from mrts.simulation.plan_file import read_plan
 
 PLACES = np.array([0.25, 0.5, 0.75])
@@ -268,28 +268,15 @@ def _given_torques(
     cell: Cell, motion: CoordinatedMotion, rows: NDArray[np.intp], time: Array, tau: Array, F: Array
 ) -> tuple[Array, Array, list[LimitUse]]:
     """Torques and wrenches of the file at its rows, and those needed between them; residuals at the rows."""
-    terms = cell.functions("terms", motion.samples, motion.inputs(cell.load))
-    motors = motor_terms(cell, motion)
-    needed = terms["E"] + terms["G"] + (0.0 if motors is None else motors.torque(1.0))
-
-    def torques(wrench: Array) -> Array:
-        pushed = [
-            np.einsum("nwj,nw->nj", terms["J"][:, :, joints], wrench[:, cell.wrench_slices[name]])
-            for name, joints in cell.joint_slices.items()
-        ]
-        return np.asarray(needed + np.hstack(pushed))
-
     wrench = np.column_stack([np.interp(motion.object.time, time, column) for column in F.T])
-    B = terms["B"]
-    short = terms["P"] + terms["Q"] - np.einsum("nij,nj->ni", B, wrench)
-    moved = B.transpose(0, 2, 1) @ np.linalg.solve(B @ B.transpose(0, 2, 1), short[:, :, None])
-    asked = torques(wrench)[rows]
+    played = ScaledTrajectory(cell, motion, 1.0, np.zeros_like(motion.q), wrench)
+    terms, short, asked = played.terms, played.unbalanced, played.inverse_dynamics[rows]
     residual = np.abs(tau - asked)
     before, after = travel_directions(motion)[:, rows]
     coulomb = cell.stacked("motors.coulomb")
     residual = np.maximum(residual - coulomb * (1 - np.abs(before + after) / 2), 0.0)  # a joint at rest may take it
-    wrench = wrench + moved[:, :, 0]
-    torque = torques(wrench)
+    wrench = wrench + least_wrenches(terms["B"], short)
+    torque = replace(played, wrench=wrench).inverse_dynamics
     torque[rows], wrench[rows] = tau, F
     names = joint_rows(cell, "torque residual", "torque_units")
     limit = np.maximum(-cell.stacked("torque_lower"), cell.stacked("torque_upper"))
