@@ -225,26 +225,6 @@ def array(values: list[float]) -> "Array":
     return np.array(values)
 
 
-def named_numbers(
-    where: str, text: str, example: str, units: Mapping[str, tuple[str, float]] | None = None
-) -> dict[str, float]:
-    """Numbers as KEY=NUMBER, with commas between them."""
-    found: dict[str, float] = {}
-    for part in text.split(","):
-        name, number = (word.strip() for word in part.partition("=")[::2])
-        if name in found:
-            raise InputError(where, f"gives {name} twice.", value=text)
-        unit, one = (units or {}).get(name, ("", 1.0))
-        try:
-            if unit and number.endswith(unit):
-                found[name] = float(f"{float(number.removesuffix(unit)) / one:.12g}")  # an end of a range stays one
-            else:
-                found[name] = float(number)
-        except ValueError:
-            raise InputError(where, f"must be KEY=NUMBER, such as {example}.", value=text) from None
-    return found
-
-
 def _sharing(shares: list[float] | None) -> "LoadSharing":
     from mrts.program.load_sharing import LoadSharing
 

@@ -250,14 +250,26 @@ def _replaced(
 
 
 def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array | None":
+    """The load of the box that KEY=NUMBER, … name; a mass in kg too."""
     if text is None:
         return None
     if cell.load_box is None:
         raise InputError("carry", "picks a load of the box, but the cell gives no object.variation.", value=text)
     if question == "possible":
         raise InputError("carry", "what is possible chooses no c², so there are no torques.", value=text)
-    units = {"mass": ("kg", cell.load_box.mass)}
-    return cell.load_box.load_at(options.named_numbers("carry", text, "mass=1.5,izz=0.8 or mass=3kg", units))
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, number = (word.strip() for word in part.partition("=")[::2])
+        if name in found:
+            raise InputError("carry", f"gives {name} twice.", value=text)
+        try:
+            found[name] = float(number.removesuffix("kg") if name == "mass" else number)
+        except ValueError:
+            rule = "must be KEY=NUMBER, such as mass=1.5,izz=0.8 or mass=3kg."
+            raise InputError("carry", rule, value=text) from None
+        if name == "mass" and number.endswith("kg"):
+            found[name] = float(f"{found[name] / cell.load_box.mass:.12g}")  # an end of a range stays one
+    return cell.load_box.load_at(found)
 
 
 def _write(

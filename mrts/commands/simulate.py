@@ -10,7 +10,7 @@ from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
 from mrts.commands import options
 from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import warn, working
+from mrts.commands.console.terminal import working
 from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:
@@ -87,15 +87,8 @@ def run(
 def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledTrajectory":
     from mrts.output.saved_result import load_result
     from mrts.simulation.plan_file import load_plan
-    from mrts.starting.plan_check import check_plan
 
-    if path.suffix.lower() == ".npz":
-        return load_result(path, cell)
-    planned, found = load_plan(cell, path), check_plan(cell, path)
-    if off := next((use for use in found.passed if use.name.kind.endswith("residual")), None):
-        warn(f"{path} seems to be a plan of another cell: {off.name} up to {off.largest:.3g} {off.name.unit}; "
-             f"mrts check {path} --cell tells more")  # fmt: skip
-    return planned
+    return load_result(path, cell) if path.suffix.lower() == ".npz" else load_plan(cell, path)
 
 
 def _wishes(given: str, planned: "ScalingResult | RetimingResult | ScaledTrajectory") -> "Array":

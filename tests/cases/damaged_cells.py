@@ -66,7 +66,7 @@ MISTAKES = {
     ),
     "robots[1].posture[2]": lambda cell, _: cell["robots"][1]["posture"].__setitem__(2, None),
     "robots[1].torque.upper[0]": lambda cell, _: _given(cell, 1, torque={"lower": [-1.0], "upper": ["x"]}),
-    "robots[1].contact[0].pad.friction": lambda cell, _: _given(cell, 1, contact=[{"pad": {"friction": "x"}}]),
+    "contact[0].pad.friction": lambda cell, _: _given(cell, 1, contact=[{"pad": {"friction": "x"}}]),
     "duration": lambda _, motion: motion.update(duration=0),
     "profile": lambda _, motion: motion.update(profile="fast"),
     "start.rpy[1]": lambda _, motion: motion["start"].update(rpy=[0, "x", 0]),

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from command_line import mrts_command
-from shipped_cells import DATA, changed_cell
+from shipped_cells import DATA
 
 import mrts
 from mrts.simulation import simulate as simulation
@@ -87,9 +87,3 @@ def test_plans_of_other_cells_and_incomplete_ones_are_refused(plans, tmp_path):
         done = mrts_command("simulate", cell, plan)
         assert done.returncode == 2
         assert str(plan) in done.stderr
-
-
-def test_a_table_of_another_cell_is_doubted(plans, tmp_path):
-    heavier = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=0.8))
-    for cell, doubted in ((CELL, False), (heavier, True)):
-        assert ("plan of another cell" in mrts_command("simulate", cell, plans / "fast.csv").stderr) == doubted
