@@ -12,17 +12,17 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors, snap_rotation
 from mrts.starting.arm import Arm, twist_rows
-from mrts.starting.postures import Spot, Wanted, find_spots
+from mrts.starting.postures import Wanted, find_spots
 from mrts.starting.request import LIFT, Request
 
 FLATNESS = (1.0, 0.6, 0.5)
 """Sides of the box: between the hands, across, upward."""
 
-KEPT_LAYOUTS = 12
-"""Of those found, so many are worth a try."""
+DISTANCES = (0.35, 0.5)
+"""From the box to where bases are proposed, as shares of the shortest arm's reach."""
 
 DIRECTIONS = (("inward", 1.0), ("inward and down", 0.9), ("inward and forward", 0.9), ("forward", 0.8), ("down", 0.6))
-"""Where hands of arms that stand already may point, with what each is worth beside the others: a box is held best
+"""Where hands may point, with what each is worth beside the others: a box is held best
 between hands that face each other."""
 
 IN_FLOOR = 0.3
@@ -77,14 +77,15 @@ class Layout:
 def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
     """Layouts in which every arm can hold the box and lift it, the best first."""
     lift, force = request.length(share * LIFT) * request.up, request.force(mass)
-    standing = all(arm.base is not None for arm in request.arms)
-    found = _between_standing(request, lift, force) if standing else _around(request, lift, force)
+    given = [arm.base for arm in request.arms if arm.base is not None]
+    tried = [given] if given else [_proposed_bases(request, distance) for distance in DISTANCES]
+    found = [layout for bases in tried for layout in _between(request, bases, lift, force)]
     if not found:
         raise MotionError(
             "no posture was found in which every arm holds one box and lifts it. Give other tips (--tip)"
             f"{'' if request.one_machine else ' or other bases (--base)'}."
         )
-    return sorted(found, key=lambda layout: -layout.score)[:KEPT_LAYOUTS]
+    return sorted(found, key=lambda layout: -layout.score)
 
 
 def _sides(request: Request, out: Array) -> Array:
@@ -97,55 +98,19 @@ def _sides(request: Request, out: Array) -> Array:
     return sides
 
 
-def _out(request: Request) -> Array:
-    """From the object to each hand, where arms may stand anywhere, Shape (arms, 3)."""
+def _proposed_bases(request: Request, distance: float) -> list[RigidTransform]:
+    """Bases around the object, on the floor and facing it; in a plane as the URDF has them."""
     count, level = len(request.arms), request.up == 0
     if request.plane is not None:
         level = level & (plane_normal(request.plane) == 0)
     first = np.eye(3)[int(np.argmax(level))]
-    if count == 2:  # noqa: PLR2004 (a pair)
-        return np.array([-first, first])
-    second = np.cross(request.up, first)
-    angles = np.pi + 2 * np.pi * np.arange(count) / count
-    return np.asarray(np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second), dtype=np.float64)
-
-
-def _around(request: Request, lift: Array, force: Array) -> list[Layout]:
-    """Arms whose bases are free: hands at one height, facing the object, and the bases wherever that puts them."""
-    out, plane = _out(request), request.plane
-    found: list[dict[tuple[int, ...], Spot]] = []
-    known: dict[tuple[object, ...], dict[tuple[int, ...], Spot]] = {}
-    for arm, direction in zip(request.arms, out, strict=True):
-        if plane is None:
-            east, north = np.eye(3)[np.abs(request.up) == 0]
-            facings = np.array([east, north, -east, -north])
-        else:
-            facings = -direction[None]
-        key = (id(arm.robot.source), *facings.ravel())
-        if key not in known:
-            known[key] = find_spots(
-                arm, _wanted(request, arm, facings, np.zeros(len(facings), dtype=np.intp), lift, force)
-            )
-        found.append(known[key])
-    made = []
-    for key in set.intersection(*({*each} for each in found)):
-        spots = [each[key] for each in found]
-        made.append(_placed_around(request, spots, out, lift, floor=bool(np.any(force))))
-    return made
-
-
-def _placed_around(request: Request, spots: Sequence[Spot], out: Array, lift: Array, *, floor: bool) -> Layout:
-    position = float(spots[0].p @ request.up) * request.up
-    stands = []
-    for spot, direction in zip(spots, out, strict=True):
-        turn = np.eye(3) if request.plane else _turn(request.up, spot.facing, -direction)
-        base = np.round(position + request.width / 2 * direction - turn @ spot.p, METRES) + 0.0
-        tip = RigidTransform(_clean(turn @ spot.R), position + request.width / 2 * direction)
-        stands.append(Stand(RigidTransform(_clean(turn), base), tip, spot.q))
-    sides = _sides(request, out[0])
-    score = min(spot.score for spot in spots)
-    in_floor = floor and (position - sides / 2) @ request.up < 0
-    return Layout(position, sides, lift, tuple(stands), score * (IN_FLOOR if in_floor else 1.0))
+    away = request.width / 2 + distance * min(arm.reach for arm in request.arms)
+    bases = []
+    for angle in np.pi + 2 * np.pi * np.arange(count) / count:
+        out = rotations_from_vectors(angle * request.up) @ first
+        turn = np.eye(3) if request.plane else rotations_from_vectors((angle + np.pi) * request.up)
+        bases.append(RigidTransform(_clean(turn), np.round(away * out, METRES) + 0.0))
+    return bases
 
 
 def _turn(up: Array, start: Array, end: Array) -> Array:
@@ -154,40 +119,40 @@ def _turn(up: Array, start: Array, end: Array) -> Array:
     return turned
 
 
-def _between_standing(request: Request, lift: Array, force: Array) -> list[Layout]:
-    bases = [arm.base or RigidTransform.identity() for arm in request.arms]
-    middle, out = _between(request, bases)
-    forward = np.cross(request.up, (out[-1] - out[0]) / 2) * (len(out) == 2) * (request.plane is None)  # noqa: PLR2004 (a pair)
+def _between(request: Request, bases: Sequence[RigidTransform], lift: Array, force: Array) -> list[Layout]:
+    """Layouts with the box between arms, before a machine too, or above and below."""
+    proposed = request.arms[0].base is None
+    middle, out = _middle(request, bases)
+    pair = len(out) == 2 and request.plane is None  # noqa: PLR2004 (a pair)
+    forward = np.cross(request.up, (out[-1] - out[0]) / 2) * (pair and not proposed)
     found = []
     for arm, T, direction in zip(request.arms, bases, out, strict=True):
-        facings, kinds = _standing_directions(request, direction, forward)
+        facings, kinds = _directions(request, direction, forward)
         start = middle + request.width / 2 * direction
-        found.append(find_spots(arm, _wanted(request, arm, facings, kinds, lift, force, (T, start, forward))))
+        found.append(find_spots(arm, _wanted(request, arm, facings, kinds, lift, force, T, start, forward)))
     made = []
     for key in set.intersection(*({*each} for each in found)):
         if request.one_machine and np.any(forward) and (key[1] < 1 or key[0] % 2):
             continue  # behind its back
         spots = [each[key] for each in found]
         stands = tuple(
-            Stand(
-                T,
-                RigidTransform(_clean(T.R @ spot.R), np.round(T.p + T.R @ spot.p, 2 * METRES)),
-                spot.q,
-            )
+            Stand(T, RigidTransform(_clean(T.R @ spot.R), np.round(T.p + T.R @ spot.p, 2 * METRES)), spot.q)
             for T, spot in zip(bases, spots, strict=True)
         )
         position = np.round(middle + request.grid * (key[1] * forward + key[2] * request.up), METRES)
-        worth = DIRECTIONS[key[0] // 2][1] * min(spot.score for spot in spots)
-        made.append(Layout(position, _sides(request, out[0]), lift, stands, worth))
+        sides = _sides(request, out[0])
+        in_floor = proposed and np.any(force) and (position - sides / 2) @ request.up < 0
+        worth = DIRECTIONS[key[0] // 2][1] * (IN_FLOOR if in_floor else 1.0)
+        made.append(Layout(position, sides, lift, stands, worth * min(spot.score for spot in spots)))
     return made
 
 
-def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
-    """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3)."""
+def _middle(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
+    """The middle of the arms, Shape (3,) [m], and the level direction to each, Shape (arms, 3)."""
     chains = [arm.robot for arm in request.arms]
     for joint in range(min(len(chain.joints) for chain in chains)):  # shoulders may begin in one breastbone
         anchors = np.array([T.p + T.R @ chain.points[joint] for T, chain in zip(bases, chains, strict=True)])
-        middle = np.round(anchors.mean(axis=0), METRES - 1)
+        middle = anchors.mean(axis=0)
         out = anchors - middle
         out -= np.outer(out @ request.up, request.up)
         if request.plane is not None:
@@ -195,7 +160,7 @@ def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, 
             out -= np.outer(out @ normal, normal)
         length = np.linalg.norm(out, axis=1)
         if np.min(length) >= request.grid / 10:
-            return middle, out / length[:, None]
+            return np.round(middle, METRES - 1), out / length[:, None]
         if not request.one_machine:
             break
     if request.one_machine:
@@ -204,7 +169,7 @@ def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, 
     raise InputError("--base", "two arms stand in one place; one object must fit between them.")
 
 
-def _standing_directions(request: Request, out: Array, forward: Array) -> tuple[Array, NDArray[np.intp]]:
+def _directions(request: Request, out: Array, forward: Array) -> tuple[Array, NDArray[np.intp]]:
     """Where a hand may point, and the kind of each: twice its place in `DIRECTIONS`, and one more for backward."""
     down = -request.up
     ahead = [(0, -out), (2, down - out), (8, down)]
@@ -221,14 +186,14 @@ def _wanted(
     kinds: NDArray[np.intp],
     lift: Array,
     force: Array,
-    standing: tuple[RigidTransform, Array, Array] | None = None,
+    T: RigidTransform,
+    start: Array,
+    forward: Array,
 ) -> Wanted:
-    """What one arm is asked, in its base frame.
+    """What one arm with its base at T is asked, in its base frame.
 
-    `standing` is where its base is, where its hand would be with the object in the middle, and which way is forward;
-    None where the base goes where the hand wants it.
+    `start` is where its hand would be with the object in the middle.
     """
-    T, start, forward = standing or (RigidTransform.identity(), None, request.up)
     rotations, pointing, kind = [], [], []
     for facing, of_kind in zip(facings, kinds, strict=True):
         turns = _rolls(request, arm, T.R.T @ facing, T.R.T @ request.up)
@@ -238,10 +203,6 @@ def _wanted(
 
     def places(positions: Array) -> tuple[Array, NDArray[np.intp]]:
         up, grid = request.up, request.grid
-        if start is None:
-            height = positions @ up
-            step = np.round(height / grid)
-            return positions + np.outer(step * grid - height, up), step.astype(np.intp)[:, None]
         off = positions @ T.R.T + T.p - start
         ahead, above = (np.round(off @ axis / grid) for axis in (forward, up))
         wanted = start + grid * (ahead[:, None] * forward + above[:, None] * up)

@@ -84,14 +84,12 @@ class Spot:
         q: Shape (n,) [rad or m].
         R: Of the tip, base frame, Shape (3, 3).
         p: Likewise, Shape (3,) [m].
-        facing: Where the hand points, Shape (3,).
         score: From 0 to 1; the larger, the farther from all limits along the lift.
     """
 
     q: Array
     R: Array
     p: Array
-    facing: Array
     score: float
 
 
@@ -119,7 +117,7 @@ def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
     for at in np.argsort(-score, kind="stable"):
         key = (int(wanted.kinds[kind[at]]), *(int(place) for place in places[at]))
         if score[at] > 0 and key not in found:
-            found[key] = Spot(q[at], R[at], p[at], wanted.facing[kind[at]], float(score[at]))
+            found[key] = Spot(q[at], R[at], p[at], float(score[at]))
     return found
 
 
