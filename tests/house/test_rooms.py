@@ -14,7 +14,14 @@ PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
 ROOMS = dict(re.findall(r"^\| `(\w+)` \| .+ \| `([\w.]+)` \|$", PAGE, re.MULTILINE))
 """In the order of the contributors' table, with where to start. A room imports itself and what stands above it."""
 
-SHARED = ("mrts.cell.record", "mrts.cell.robot", "mrts.cell.hands", "mrts.cell.motors", "mrts.cell.points")
+SHARED = (
+    "mrts.cell.cell_file",
+    "mrts.cell.record",
+    "mrts.cell.robot",
+    "mrts.cell.hands",
+    "mrts.cell.motors",
+    "mrts.cell.points",
+)
 """What the build time makes of a cell."""
 
 APART = ("report", "viewer")
