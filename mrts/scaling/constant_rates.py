@@ -90,13 +90,7 @@ class FactorAsked:
 
 
 class RatedFactors:
-    """Constant factors of a motion within limits of rates, for all of some loads at once.
-
-    Args:
-        rows: Limits of a cell along its motion.
-        loads: The loads; None for the cell's.
-        rates: The limits of rates.
-    """
+    """Constant factors of a motion within limits of rates, for all of some loads at once; None is the cell's load."""
 
     def __init__(self, rows: MotionRows, loads: Sequence[LoadPoint | None], rates: RateLimits) -> None:
         cell, motion = rows.cell, rows.motion
@@ -237,12 +231,9 @@ class RatedFactors:
 def torques_within_rates(
     rows: MotionRows, rates: RateLimits, c2: float, weights: Array, distribute: DistributionName
 ) -> tuple[Array, Array]:
-    """Torques, Shape (N, m), and wrenches, (N, n w), within limits and rates at a constant factor.
+    """Torques, Shape (N, m), and wrenches, (N, n w), of the least ∫ τᵀWτ dt within limits and rates at a c².
 
-    They have the least ∫ τᵀWτ dt, of all or of those of `reserved_torques`.
-
-    Raises:
-        SolverError: If there are none.
+    With `distribute` "reserve" the least of those of `reserved_torques`; a SolverError if there are none.
     """
     cell, motion, problem = rows.cell, rows.motion, build_sample_problem(rows, varying=True)
     sizes = given_sizes(cell, motion) if distribute == "reserve" else None

@@ -103,11 +103,7 @@ class LimitedQuantities:
         return np.asarray(np.maximum(self.lower - self.values, self.values - self.upper) / self.unit, dtype=np.float64)
 
     def only(self, chosen: Sequence[bool] | NDArray[np.bool_]) -> Self:
-        """Some of the quantities.
-
-        Args:
-            chosen: Which, Shape (k,).
-        """
+        """Some of the quantities, chosen by Shape (k,)."""
         own = np.flatnonzero(chosen)
         arrays = (of[..., own] for of in (self.values, self.lower, self.upper, self.share, self.unit))
         return type(self)(tuple(self.rows[place] for place in own.tolist()), *arrays)
@@ -117,11 +113,7 @@ class LimitedQuantities:
         return self.only([(name.kind, name.robot) == (kind, robot) for name in self.rows])
 
     def uses(self, time: Array) -> tuple[LimitUse, ...]:
-        """What is made of each, at the sample that uses the largest share.
-
-        Args:
-            time: Of the samples, Shape (N,) [s].
-        """
+        """What is made of each, at the sample that uses the largest share; `time` of the samples, Shape (N,) [s]."""
         at, limited = np.argmax(self.share, axis=0), self.limited
         values = np.where(np.abs(self.values) < NOTHING * self.unit, 0.0, self.values)
         return tuple(
@@ -156,22 +148,14 @@ def rate_uses(result: "ScalingResult") -> list[LimitUse]:
 
 
 def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
-    """How much of each limit is used all along a trajectory, velocities enforced or not.
-
-    Returns:
-        The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r).
-    """
+    """The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r)."""
     found = all_quantities(done)
     limited = found.only(found.limited)
     return limited.rows, np.maximum(limited.share, 0.0)
 
 
 def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
-    """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits.
-
-    Raises:
-        ValueError: If there is no trajectory.
-    """
+    """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits."""
     if result.trajectory is None:
         raise ValueError("there is no trajectory to draw")
     found = all_quantities(result.trajectory)

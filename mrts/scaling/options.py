@@ -55,11 +55,7 @@ class Options(EqualByNumbers):
     rates: RateLimits | None = None
 
     def __post_init__(self) -> None:
-        """Torques may be distributed later: the weights are then what they are now.
-
-        Raises:
-            InputError: If the weights are not numbers of one shape.
-        """
+        """Torques may be distributed later: the weights are then what they are now."""
         if self.weights is not None:
             weights = as_array("weights", self.weights)
             weights.setflags(write=False)
@@ -132,11 +128,7 @@ def limited_cell(cell: Cell, reserve: float | None, limits: Sequence[Limit] | No
 
 
 def load_box(cell: Cell, question: str) -> LoadBox:
-    """What the load is known within.
-
-    Raises:
-        InputError: If the cell's load does not vary.
-    """
+    """What the load is known within; an InputError if the cell's load does not vary."""
     if cell.load_box is None:
         raise InputError(
             "load",

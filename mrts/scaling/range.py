@@ -37,11 +37,7 @@ class RangeEnd:
 
     @cached_property
     def rows(self) -> tuple[ActiveRow, ...]:
-        """The rows that bind there.
-
-        Raises:
-            SolverError: If no solver answers.
-        """
+        """The rows that bind there."""
         return self.named() if callable(self.named) else self.named
 
     def to_json(self) -> dict[str, Any] | None:
@@ -98,32 +94,18 @@ class ScalingRange(InNotebooks):
         return [repr(self).strip("<>"), *filter(None, [self.explain()])]
 
     def text(self, digits: int = 4) -> str:
-        """Both ends in words, such as `[0, 3.062]`; empty where there are none.
-
-        Args:
-            digits: Significant digits.
-        """
+        """Both ends in words, such as `[0, 3.062]`; empty where there are none."""
         return interval_text(self.lower.c2, self.upper.c2, digits=digits) if self.lower and self.upper else ""
 
     def admitted(self, c2: float, tolerance: float) -> float | None:
-        """The c² of the range that a given one stands for: itself, or the end that it misses by rounding; else None.
-
-        Args:
-            c2: c².
-            tolerance: Share of an end that is rounding.
-        """
+        """The c² of the range that a given one stands for: itself, or the end that it misses by a share; else None."""
         if not self.status.admits_motion or self.lower is None or self.upper is None:
             return None
         low, high = self.lower.c2, self.upper.c2
         return min(max(c2, low), high) if low * (1 - tolerance) <= c2 <= high * (1 + tolerance) else None
 
     def ends_at(self, c2: float, tolerance: float = 0.0) -> Iterator[tuple[Side, RangeEnd]]:
-        """The ends at which a c² is, and of which side each is; not those that nothing sets.
-
-        Args:
-            c2: c².
-            tolerance: Share of an end that is rounding.
-        """
+        """The ends at which a c² is, to a share of an end, and of which side each is; not those that nothing sets."""
         ends: tuple[tuple[Side, RangeEnd | None], ...] = (("lower", self.lower), ("upper", self.upper))
         for side, end in ends if self.status.admits_motion else ():
             if end is not None and end.time is not None and abs(c2 - end.c2) <= tolerance * end.c2:
@@ -163,12 +145,7 @@ class ScalingRange(InNotebooks):
 
 
 def contradiction(slow: RangeEnd, fast: RangeEnd) -> str:
-    """Why no c² is in all ranges, where the least of one sample is above the largest of another.
-
-    Args:
-        slow: The least c².
-        fast: The largest.
-    """
+    """Why no c² is in all ranges: the least of one sample is above the largest of another."""
     text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
     rated = any(row.name.kind in RATES for row in (*slow.rows, *fast.rows))
     return f"a rate is too small: {text}" if rated else text

@@ -211,12 +211,7 @@ def interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRa
 
 
 def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) -> tuple[Remark, ...]:
-    """That a timing is longer for what mrts itself makes of a table between its rows.
-
-    Args:
-        bare: Duration with limits kept at the given samples [s].
-        finer: With those that were added [s].
-    """
+    """That a timing is longer for what mrts itself makes of a table between its rows: with limits kept there too."""
     lost = finer / bare - 1
     told = f": limits kept there too make the timing {100 * lost:.2g} % longer than {bare:.4g} s"
     return _of_spline(motion, lost, told)

@@ -343,11 +343,7 @@ class ScalingResult(Result):
 
 
 def fallbacks_text(count: int) -> str:
-    """How many programs were not solved by the solver that was asked.
-
-    Args:
-        count: > 0.
-    """
+    """How many programs, > 0, were not solved by the solver that was asked."""
     return f"{count} {'program was' if count == 1 else 'programs were'} left by the chosen solver and solved by another"
 
 

@@ -268,13 +268,7 @@ def _of_timing(timed: RetimingResult) -> SpeedAnswer:
 
 
 def sample_conflict(problem: SampleProblem, time: Array, sample: int, x: float | None = None) -> Conflict | None:
-    """The limits that no wrenches, u and x keep at one sample; None if some do.
-
-    Args:
-        problem: Rows of [F, u, x] at N samples.
-        time: Shape (N,) [s].
-        x: The speed squared that is asked for; None leaves it free.
-    """
+    """The limits that no wrenches, u and x keep at one sample; None if some do. x may be given."""
     if problem.speed is not None:
         tried = _tried(problem, sample) if x is None else np.array([x])
         here = _at_speeds(problem, sample, tried)
@@ -300,11 +294,7 @@ def segment_conflict(
 ) -> Conflict | None:
     """The limits of both ends of a segment that no u and x keep, if x at its end is to be in the reach.
 
-    Args:
-        problem: Rows of [F, u, x] at N samples.
-        time: Shape (N,) [s].
-        reach: Least and largest x at its end.
-        x: The speed squared that is asked for at its start; None leaves it free.
+    Rows are of [F, u, x] at N samples; x at the start may be given.
     """
     here, there = problem.at(np.array([sample])), problem.at(np.array([sample + 1]))
     free = problem.unknowns - 2

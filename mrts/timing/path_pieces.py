@@ -104,11 +104,7 @@ class PathPiece:
 
 
 class PathError(MrtsError):
-    """A motion is no path that can be timed.
-
-    Attributes:
-        kind: "zero length", or "stationary" where it stands still or turns back between two samples.
-    """
+    """A motion is no path: of "zero length", or "stationary" where it stands still or turns back between samples."""
 
     def __init__(self, message: str, kind: Literal["zero length", "stationary"] = "stationary") -> None:
         super().__init__(message)
@@ -149,11 +145,7 @@ def _on_segment(motion: CoordinatedMotion, segment: int) -> str:
 
 
 def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> CoordinatedMotion:
-    """A motion with samples at further times, Shape (k,) [s]; its own stay exactly as they are.
-
-    Raises:
-        MotionError: If the arms cannot hold the object there.
-    """
+    """A motion with samples at further times, Shape (k,) [s]; its own stay exactly as they are."""
     between = between_samples(cell, motion, added, of_path=True)
     return denser(motion, between, np.arange(1, len(added) + 1, dtype=np.intp))
 
@@ -281,13 +273,7 @@ def _steady(values: Array, most: Array) -> Array:
 
 
 def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Array) -> CoordinatedMotion:
-    """A path by arc length s as one by another parameter σ.
-
-    Args:
-        sigma: At the samples, Shape (n,).
-        first: ds/dσ, Shape (n,).
-        second: d²s/dσ², Shape (n,).
-    """
+    """A path by arc length s as one by another parameter σ, by σ, ds/dσ and d²s/dσ² at the samples, each Shape (n,)."""
 
     def rates(rate: Array, change: Array) -> tuple[Array, Array]:
         return rate * first[:, None], change * first[:, None] ** 2 + rate * second[:, None]
@@ -352,11 +338,7 @@ def stops(piece: PathPiece, end_speeds: tuple[float, float]) -> tuple[bool, bool
 
 
 def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float]) -> CoordinatedMotion:
-    """The same motion at nodes that are evenly spaced in σ, as many as it has samples but not too few.
-
-    Raises:
-        MotionError: If the arms cannot hold the object there.
-    """
+    """The same motion at nodes that are evenly spaced in σ, as many as it has samples but not too few."""
     given, times, kept = motion.object.time, [], [0]
     for piece in path_pieces(motion):
         n, s = len(piece.speed), piece.arc

@@ -109,11 +109,7 @@ class SmoothAnswer:
         return "smooth timing" + ("" if self.longest is None else f" of least energy within {self.longest:g} s")
 
     def text(self, duration: float) -> str:
-        """How the timing was found, and how long it takes at least.
-
-        Args:
-            duration: What it takes [s].
-        """
+        """How the timing was found, and how long it takes at least, where it takes a duration [s]."""
         count = "1 step" if self.steps == 1 else f"{self.steps} steps"
         verb = f"takes {100 * self.room:.2g} % longer than" if self.room else "is"
         text = f"It {verb} a local optimum, found in {count}, of which the last gained {100 * (self.gain or 0.0):.2g} %"
@@ -221,12 +217,7 @@ class RetimingResult(Result):
 
     @cached_property
     def constant(self) -> ScalingResult:
-        """`factor` with its torques.
-
-        Raises:
-            MotionError: As `factor`.
-            SolverError: If no solver answers, or the torques overstep a limit.
-        """
+        """`factor` with its torques."""
         return with_torques(self.factor)
 
     @property

@@ -57,31 +57,19 @@ class TimedPiece:
         return duration
 
     def along_arc(self, x: Array) -> Array:
-        """Speeds ṡ along the arc length at the samples, Shape (n,).
-
-        Args:
-            x: σ̇² there, Shape (n,); infinity where nothing bounds it.
-        """
+        """Speeds ṡ along the arc length at the samples, for some σ̇² there, Shape (n,)."""
         speed: Array = self.piece.arc_speed * np.sqrt(x)
         return speed
 
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
-        """The profile as JSON values, along the arc length.
-
-        Args:
-            time: Of the given motion, Shape (N,) [s].
-        """
+        """The profile as JSON values, along the arc length; `time` of the given motion, Shape (N,) [s]."""
         own = time[self.piece.first :][: len(self.x)].tolist()
         return {"r": own, "s": self.piece.arc.tolist(), "speed": self.arc_speed.tolist()}
 
 
 @dataclass(frozen=True, kw_only=True)
 class FastestPiece(TimedPiece):
-    """A piece with its fastest speed.
-
-    Attributes:
-        profile: The fastest σ̇², in the admissible (σ̈, σ̇²) at its samples.
-    """
+    """A piece with its fastest speed, a profile of σ̇² in the admissible (σ̈, σ̇²) at its samples."""
 
     profile: SpeedProfile
 
@@ -91,11 +79,7 @@ class FastestPiece(TimedPiece):
         return segment_times(self.piece.step, self.x, self.profile.rise)
 
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
-        """The profile as JSON values, with the speeds that the limits leave.
-
-        Args:
-            time: Of the given motion, Shape (N,) [s].
-        """
+        """Also the speeds that the limits leave."""
         largest = self.along_arc(self.profile.regions.upper).tolist()
         return super().to_json(time) | {
             "least_controllable": self.along_arc(self.profile.lower).tolist(),
@@ -125,11 +109,7 @@ class SmoothPiece(TimedPiece):
     wrench: Array
 
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
-        """The profile as JSON values, along the arc length.
-
-        Args:
-            time: Of the given motion, Shape (N,) [s].
-        """
+        """Also the profile by σ."""
         return super().to_json(time) | {
             "sigma": self.piece.path.object.time.tolist(),
             "sigma_speed": np.sqrt(self.x).tolist(),
