@@ -175,13 +175,13 @@ def _side_clip(
 ) -> "tuple[Clip, bool]":
     """The motion as it is played in one way, and whether it keeps its limits."""
     from mrts.scene.renderer import Clip
-    from mrts.viewer.player_state import PlayerState
+    from mrts.viewer.player_state import play
 
     profile: Any = side if side in {"optimal", "smooth"} else "constant"
     with working("scaling" if profile == "constant" else "timing") as progress:
-        state = PlayerState(cell, motion, **given, profile=profile, rates=rates, progress=progress)
+        state = play(cell, motion, **given, profile=profile, rates=rates, progress=progress)
     if side == "given":
-        state.choose_speed(1.0)
+        state = state.at_speed(1.0)
         title = "as given" if state.admissible else "as given: beyond its limits"
     elif state.refusal:
         raise InputError("side_by_side", f"there is no such timing: {state.refusal}", value=side)
@@ -226,6 +226,7 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
 
 def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:
     from mrts.scaling.result import ScalingResult
+    from mrts.viewer.held_poses import HeldPoses
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.server import close_server, open_server
     from mrts.viewer.viewer import Viewer
@@ -241,9 +242,9 @@ def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int
             with working("looking at the cell" if source.stands else f"scaling {source.motion_path}") as progress:
                 bench = Workbench(source, progress)
             first = bench.answer
-            if source.stands and first.held is not None:
+            if source.stands and isinstance(first.shown, HeldPoses):
                 outcome = "no motion was given, the cell stands at its posture"
-                feasible = bool(first.held.reached.all())
+                feasible = bool(first.shown.reached.all())
             else:
                 outcome = first.message if first.state is None else first.state.result.summary()
                 feasible = first.state is not None and first.state.result.status.admits_motion

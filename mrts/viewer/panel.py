@@ -131,12 +131,12 @@ def override_html(state: OverrideState) -> str:
     return _paragraph("override", f"{100 * state.speed:.0f} % of the planned speed{held}")
 
 
-def moment_html(state: PlayerState | None) -> str:
+def moment_html(state: PlayerState | None, sample: int) -> str:
     """The chosen time, and which speeds its sample alone admits and why; None leaves the place empty."""
     if state is None:
         return _paragraph("moment", "")
-    found, sample = state.result.range, state.sample
-    text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s. "
+    found = state.result.range
+    text = f"t = {state.time[sample]:.4g} s of {state.trajectory.duration:.4g} s. "
     conflict = next((conflict for conflict in found.samples.conflicts if conflict.sample == sample), None)
     if conflict is not None:
         return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)

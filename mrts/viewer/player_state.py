@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A motion that is played at a chosen speed, admissible or not: speeds on offer, torques, and all limits."""
 
-from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil, floor, isfinite, log10, sqrt
 from typing import Any, Literal
 
@@ -47,7 +47,6 @@ STEPS = 400
 INTERIOR = 1e-6
 """A widened limit is widened by this share more: at the least widening the feasible set is a point."""
 
-Plan = ScalingResult | RetimingResult
 Profile = Literal["constant", "optimal", "smooth"]
 
 
@@ -100,66 +99,51 @@ OF_TIMINGS = Speeds(ends={"r(t)": 1.0}, lower=0.1, upper=BEYOND, step=1e-3, star
 """Speeds of a timing that was found: shares of its own."""
 
 
+@dataclass(frozen=True, eq=False)
 class PlayerState:
-    """A motion at a chosen speed, at a chosen time: at first the fastest admissible one, or c = 1 if there is none.
-
-    It takes options of `mrts.scale` and `mrts.retime`.
+    """A motion at a chosen speed, admissible or not.
 
     Attributes:
         result: The range, or of a timing what is played, whose c² = 1 is the timing itself.
+        trajectory: At the chosen speed; where limits do not admit it, that of `widened_torques`.
+        speeds: The speeds on offer.
         timing: The timing that was found; None of the constant profile, and where there is none.
         refusal: Why there is no timing though one was asked for, in a sentence; empty if there is one.
-        excess: Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,).
-        sample: Index of the chosen time.
-
-    Raises:
-        MrtsError: As `mrts.scale`; an infeasible motion is no error.
     """
 
+    result: ScalingResult
+    trajectory: ScaledTrajectory
+    speeds: Speeds
+    profile: Profile = "constant"
     timing: RetimingResult | None = None
     refusal: str = ""
-    profile: Profile = "constant"
-    sample: int = 0
-    result: ScalingResult
-    speeds: Speeds
-    trajectory: ScaledTrajectory
-    excess: Array
-
-    def __init__(
-        self,
-        cell: Cell,
-        motion: ObjectMotion | JointTable,
-        *,
-        profile: Profile = "constant",
-        rates: Rates = False,
-        **asked: Any,
-    ) -> None:
-        self.profile = profile
-        if profile == "constant":
-            try:
-                self.result = scale(cell, motion, **asked)
-            except SelectionError as error:  # it can only hold still, or c = 1 is too slow where nothing is too fast
-                if error.result is None:
-                    raise
-                self.result = error.result
-        else:
-            found = retime(cell, motion, rates=rates if profile == "smooth" else False, **asked)
-            self.result = found.retimed or found.factor
-            if found.retimed is None:
-                self.refusal = found.sentence()
-            else:
-                self.timing = found
-                found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
-        self.speeds = OF_TIMINGS if self.timing is not None else offered_speeds(self.result.range)
-        self._play(self.speeds.c2(self.speeds.start))
 
     @classmethod
     def saved(cls, result: ScalingResult) -> "PlayerState":
         """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
-        state, done = cls.__new__(cls), played(result)
-        state.result, state.speeds = result, Speeds({}, done.c, done.c, 1.0, done.c)
-        state._take(done)  # noqa: SLF001 (its own)
-        return state
+        done = played(result)
+        return cls(result, done, Speeds({}, done.c, done.c, 1.0, done.c))
+
+    def at_speed(self, c: float) -> "PlayerState":
+        """The same outcome played at another speed, a factor > 0: one within half a step of an end is that end.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        return replace(self, trajectory=_trajectory(self.result, self.timing, self.speeds.c2(c)))
+
+    @cached_property
+    def excess(self) -> Array:
+        """Share by which a limit that is kept is overstepped at most at each sample, 0 for rounding, Shape (N,)."""
+        done = self.trajectory
+        kept = limit_rows(done.cell, done.motion)
+        excess = np.max(kept.excess(kept.value(done.torque, done.wrench, 0.0, done.c)), axis=1, initial=0.0)
+        return np.where(excess > LIMIT_TOLERANCE, excess, 0.0)
+
+    @property
+    def time(self) -> Array:
+        """Of the samples, at the chosen speed, Shape (N,) [s]."""
+        return self.trajectory.time
 
     @property
     def scene(self) -> Scene:
@@ -173,87 +157,83 @@ class PlayerState:
         return replace(result, found=result.range, c2=done.c2, trajectory=done)
 
     @property
-    def plan(self) -> Plan | None:
+    def played_timing(self) -> RetimingResult | None:
+        """The timing, at its own speed."""
+        return self.timing if self.trajectory.c2 == 1 else None
+
+    @property
+    def plan(self) -> ScalingResult | RetimingResult | None:
         """What a speed override plays; None of a speed that limits do not admit."""
-        if not self.admissible:
-            return None
-        return self.timing if self.timing is not None and self.trajectory.c2 == 1 else self.played
+        return (self.played_timing or self.played) if self.admissible else None
 
     @property
     def card(self) -> Card:
         """The answer in one line, and the limits that are nearest; where no speed is admissible, why."""
-        if self.timing is not None and self.trajectory.c2 == 1:
-            return answer_card(self.timing)
-        return answer_card(self.played)
+        return answer_card(self.played_timing or self.played)
 
     def sentence(self) -> str:
         """The outcome in a sentence."""
-        found = self.result if self.timing is None else self.timing
-        return self.refusal or found.sentence()
-
-    def at_speed(self, c: float) -> "PlayerState":
-        """The same outcome played at another speed; this state stays as it is.
-
-        Raises:
-            SolverError: If no solver answers.
-        """
-        other = copy(self)
-        other.choose_speed(c)
-        return other
-
-    @property
-    def time(self) -> float:
-        """Of the chosen sample, at the chosen speed [s]."""
-        return float(self.trajectory.time[self.sample])
+        return self.refusal or (self.timing or self.result).sentence()
 
     @property
     def admissible(self) -> bool:
         """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
-        if self.timing is not None and self.trajectory.c2 == 1:
-            return True
-        return self._admits(self.trajectory.c2)
-
-    def choose_speed(self, c: float) -> None:
-        """Play at another speed, a factor > 0: one within half a step of an end of the range is that end.
-
-        Raises:
-            SolverError: If no solver answers.
-        """
-        self._play(self.speeds.c2(c))
+        return self.played_timing is not None or _admits(self.result, self.trajectory.c2)
 
     def violations(self) -> list[tuple[RowName, float, float]]:
         """Limits that are passed at some sample, the worst first: by which share at most, and when [s]."""
-        beyond = self._limited.excess
-        worst, times = np.max(beyond, axis=0), self.trajectory.time[np.argmax(beyond, axis=0)]
-        found = zip(self._limited.rows, worst.tolist(), times.tolist(), strict=True)
+        limited = all_quantities(self.trajectory)
+        worst, times = np.max(limited.excess, axis=0), self.time[np.argmax(limited.excess, axis=0)]
+        found = zip(limited.rows, worst.tolist(), times.tolist(), strict=True)
         return sorted((one for one in found if one[1] > LIMIT_TOLERANCE), key=lambda one: -one[1])
 
-    def _admits(self, c2: float) -> bool:
-        result = self.result
-        found = result.range
-        if found.lower is None or not found.status.admits_motion or c2 >= found.lower.c2:
-            return found.admitted(c2, 0.0) is not None
-        return conflict_at(result, c2) is None
 
-    def _play(self, c2: float) -> None:
-        result = self.result
-        cell, motion, options = result.cell, result.motion, result.options
-        if self.timing is not None and c2 == 1:
-            torque, wrench = played(result).torque, played(result).wrench
-        elif self._admits(c2):
-            rows = options.rows(cell, motion)
-            weights = torque_weights(options.weights, cell)
-            torque, wrench, _ = motion_torques(rows, options.solver, c2, weights, options.distribute)
+def play(
+    cell: Cell, motion: ObjectMotion | JointTable, *, profile: Profile = "constant", rates: Rates = False, **asked: Any
+) -> PlayerState:
+    """Find a motion at its fastest admissible speed, or c = 1 if there is none; with options of `mrts.scale`.
+
+    Raises:
+        MrtsError: As `mrts.scale`; an infeasible motion is no error.
+    """
+    timing, refusal = None, ""
+    if profile == "constant":
+        try:
+            result = scale(cell, motion, **asked)
+        except SelectionError as error:  # it can only hold still, or c = 1 is too slow where nothing is too fast
+            if error.result is None:
+                raise
+            result = error.result
+    else:
+        found = retime(cell, motion, rates=rates if profile == "smooth" else False, **asked)
+        result = found.retimed or found.factor
+        if found.retimed is None:
+            refusal = found.sentence()
         else:
-            torque, wrench = widened_torques(cell, motion, options, c2)
-        self._take(ScaledTrajectory(cell, motion, c2, torque, wrench))
+            timing = found
+            found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
+    speeds = OF_TIMINGS if timing is not None else offered_speeds(result.range)
+    trajectory = _trajectory(result, timing, speeds.c2(speeds.start))
+    return PlayerState(result, trajectory, speeds, profile, timing, refusal)
 
-    def _take(self, done: ScaledTrajectory) -> None:
-        """What a trajectory makes of all limits, and how far it passes those that are kept."""
-        self._limited = all_quantities(done)
-        kept = limit_rows(done.cell, done.motion)
-        excess = np.max(kept.excess(kept.value(done.torque, done.wrench, 0.0, done.c)), axis=1, initial=0.0)
-        self.trajectory, self.excess = done, np.where(excess > LIMIT_TOLERANCE, excess, 0.0)
+
+def _admits(result: ScalingResult, c2: float) -> bool:
+    found = result.range
+    if found.lower is None or not found.status.admits_motion or c2 >= found.lower.c2:
+        return found.admitted(c2, 0.0) is not None
+    return conflict_at(result, c2) is None
+
+
+def _trajectory(result: ScalingResult, timing: RetimingResult | None, c2: float) -> ScaledTrajectory:
+    cell, motion, options = result.cell, result.motion, result.options
+    if timing is not None and c2 == 1:
+        return played(result)
+    if not _admits(result, c2):
+        torque, wrench = widened_torques(cell, motion, options, c2)
+    else:
+        rows, weights = options.rows(cell, motion), torque_weights(options.weights, cell)
+        torque, wrench, _ = motion_torques(rows, options.solver, c2, weights, options.distribute)
+    return ScaledTrajectory(cell, motion, c2, torque, wrench)
 
 
 def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array]:

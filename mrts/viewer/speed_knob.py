@@ -9,10 +9,12 @@ import viser
 from mrts.base.errors import MrtsError
 from mrts.override.speed_override import OverrideState, SpeedOverride
 from mrts.override.tables import TICK
+from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.timing.result import RetimingResult
 from mrts.viewer.controls import DECIMALS, Later, assign
 from mrts.viewer.panel import override_html, text_html
-from mrts.viewer.player_state import Plan, PlayerState
+from mrts.viewer.player_state import PlayerState
 
 
 class SpeedKnob:
@@ -23,7 +25,7 @@ class SpeedKnob:
     """
 
     _trajectory: ScaledTrajectory | None = None
-    _plan: Plan | None = None
+    _plan: ScalingResult | RetimingResult | None = None
     _made: Future[SpeedOverride] | None = None
     _state: OverrideState | None = None
 

@@ -20,7 +20,6 @@ from mrts.plots.range_plots import c2_ends
 from mrts.plots.trajectory_plots import limits_plot
 from mrts.scaling.result import ScalingResult
 from mrts.simulation.simulate import Simulation
-from mrts.viewer.player_state import PlayerState
 from mrts.viewer.workbench import Answer
 
 HEIGHT = 130
@@ -81,6 +80,7 @@ class PlotPanel:
 
     Attributes:
         cursor: The style sheet that says where it stands.
+        at: Where the next step puts it, as a share of the time: apart from what the scene sends together.
     """
 
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle) -> None:
@@ -88,17 +88,13 @@ class PlotPanel:
         self.cursor = gui.add_html("")
         self._plots: dict[str, tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle, viser.GuiHtmlHandle]] = {}
         self._wanted: Answer | None = None
-        self._since, self._at = RENEWAL, 0.0
+        self._since, self.at = RENEWAL, 0.0
 
     def show_answer(self, answer: Answer) -> None:
         """Plot an answer as soon as the last plots have been seen; one without a motion empties them."""
         self._wanted = None if answer.state is None else answer
         if answer.state is None:
             self._show({})
-
-    def show_moment(self, state: PlayerState) -> None:
-        """Take the chosen sample; the cursor moves with the next step, apart from what the scene sends together."""
-        self._at = state.time / state.trajectory.duration
 
     def step(self, elapsed: float) -> None:
         """Plot what waits."""
@@ -108,7 +104,7 @@ class PlotPanel:
             found = simulation if isinstance(simulation, Simulation) else None
             self._show(time_panels(self._wanted.state.played, found))
             self._wanted, self._since = None, 0.0
-        style = f"<style>:root {{ --mrts-cursor: {self._at:.4f}; }}</style>"
+        style = f"<style>:root {{ --mrts-cursor: {self.at:.4f}; }}</style>"
         if style != self.cursor.content:
             self.cursor.content = style
 

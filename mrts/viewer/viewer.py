@@ -27,6 +27,7 @@ from mrts.viewer.controls import (
     assign,
     configure_theme,
 )
+from mrts.viewer.held_poses import HeldPoses
 from mrts.viewer.panel import (
     PANEL,
     STYLE,
@@ -127,10 +128,12 @@ class Viewer:
         self.server = server
         self.bench = bench if isinstance(bench, Workbench) else None
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
+        assert not isinstance(answer.shown, MrtsError)  # noqa: S101 (a workbench begins with something to show)
+        self._shown, self.sample = answer.shown, 0
         stands = answer.state is None and not answer.message
         self._todo: SimpleQueue[Any] = SimpleQueue()
         later, gui = self._todo.put, server.gui
-        self._scene = ViewerScene(server, answer.scene, urdfs, warn)
+        self._scene = ViewerScene(server, answer.shown.scene, urdfs, warn)
         configure_theme(gui)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(PANEL)
@@ -143,9 +146,9 @@ class Viewer:
                 "speed c", 0.0, 1.0, 1.0, 0.0, marks=((0.0, ""),), hint="× as fast as given", visible=not stands
             )
             self._shown_speed = self._speed.value
-        duration = float(answer.times[-1])
+        duration = float(answer.shown.time[-1])
         found = None if answer.state is None else answer.state.card.deciding
-        start = 0.0 if found is None else float(answer.times[found.sample]) / duration
+        start = 0.0 if found is None else float(answer.shown.time[found.sample]) / duration
         self.playback = Playback(gui, duration, later, start=start, visible=not stands)
         self._speed_text, self._moment_text = (gui.add_html("", visible=not stands) for _ in range(2))
         self._add_tabs(later, stands=stands)
@@ -250,15 +253,15 @@ class Viewer:
         self._verdict.content = verdict_html(self._outcome, self._error, computing=computing, outdated=outdated)
 
     def _show_answer(self, answer: Answer) -> None:
-        before, state = self._answer.state, answer.state
-        self._error = "" if answer.error is None else text_html("error", str(answer.error))
-        if answer.error is not None:
+        before, state, shown = self._answer.state, answer.state, answer.shown
+        if isinstance(shown, MrtsError):
+            self._error = text_html("error", str(shown))
             return  # what was shown before stays
         others = answer is self._answer or state is None or before is None or state.result is not before.result
-        self._answer, self.playback.duration = answer, float(answer.times[-1])
+        self._answer, self._shown, self._error, self.playback.duration = answer, shown, "", float(shown.time[-1])
         with self.server.atomic():
             if others:
-                self._scene.show(answer.scene)
+                self._scene.show(shown.scene)
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             self._scene.show_nearest(near)
@@ -267,8 +270,8 @@ class Viewer:
                 if others:
                     self._scene.rescale(state)
                 self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
-            elif answer.held is not None:
-                self._outcome = held_html(answer.held)
+            elif isinstance(shown, HeldPoses):
+                self._outcome = held_html(shown)
             self._show_verdict()
             self._speed_text.content = speed_html(state)
             if self.plots is not None:
@@ -278,26 +281,25 @@ class Viewer:
                 self.plots.show_answer(answer)
             self._show_moment(read=True)
         if state is not None and self.bench is not None:  # unless a user has moved on to another speed
-            speeds, shown = state.speeds, self._shown_speed
-            c = shown if self.bench.is_asked else state.trajectory.c
-            self._shown_speed = set_slider(self._speed, (speeds.lower, speeds.upper), speeds.digits, c, shown)
+            speeds, chosen = state.speeds, self._shown_speed
+            c = chosen if self.bench.is_asked else state.trajectory.c
+            self._shown_speed = set_slider(self._speed, (speeds.lower, speeds.upper), speeds.digits, c, chosen)
             set_marks(self._speed, speeds)
 
     def _show_moment(self, *, read: bool) -> None:
-        answer, at = self._answer, self.playback.time
-        sample = int(np.argmin(np.abs(answer.times - at)))
+        shown, at = self._shown, self.playback.time
+        self.sample = int(np.argmin(np.abs(shown.time - at)))
         with self.server.atomic():
-            if answer.state is not None:
-                answer.state.sample = sample
-                between = float(np.interp(at, answer.times, np.arange(len(answer.times))))
-                self._scene.show_moment(answer.state, between if self.playback.plays else sample)
+            if isinstance(shown, PlayerState):
+                between = float(np.interp(at, shown.time, np.arange(len(shown.time))))
+                self._scene.show_moment(shown, between if self.playback.plays else self.sample)
                 if self.plots is not None:
-                    self.plots.show_moment(answer.state)
-            elif answer.held is not None:
-                self._scene.show_gap(answer.held, sample)
+                    self.plots.at = float(shown.time[self.sample]) / shown.trajectory.duration
+            else:
+                self._scene.show_gap(shown, self.sample)
         if read:
             self.playback.show()
-            self._moment_text.content = moment_html(answer.state)
+            self._moment_text.content = moment_html(self.state, self.sample)
 
 
 def set_slider(

@@ -12,17 +12,15 @@ from dataclasses import dataclass, replace
 from queue import SimpleQueue
 
 from mrts.base.argument_types import Progress
-from mrts.base.arrays import Array
 from mrts.base.errors import MotionError, MrtsError
 from mrts.base.remark import Remark
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.scene.scene import Scene
 from mrts.simulation.simulate import Simulation, simulate
 from mrts.viewer.choices import Choices, Given
 from mrts.viewer.held_poses import HeldPoses, held_poses
-from mrts.viewer.player_state import PlayerState
+from mrts.viewer.player_state import PlayerState, play
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,34 +29,21 @@ class Answer:
 
     Attributes:
         choices: The choices.
-        state: The motion at its first choice of speed, or at the speed that was asked for; None where there is none.
-        held: Where arms are without a motion that can be played, or where none was given; None else.
-        error: Why there is neither; None else.
+        shown: The motion at its first choice of speed, or at the speed that was asked for; or where arms are without a
+            motion that can be played, or where none was given; or why there is neither.
         simulation: What became of the motion in closed loop, or why that is not known; None where it was not asked.
         collisions: What `clearance_remarks` finds for the motion as it is given; None until it is looked at, at last.
     """
 
     choices: Choices
-    state: PlayerState | None = None
-    held: HeldPoses | None = None
-    error: MrtsError | None = None
+    shown: PlayerState | HeldPoses | MrtsError
     simulation: Simulation | MrtsError | None = None
     collisions: tuple[Clearance | None, tuple[Remark, ...]] | None = None
 
     @property
-    def scene(self) -> Scene:
-        """What is drawn of it."""
-        shown = self.state or self.held
-        assert shown is not None  # noqa: S101 (errors are not drawn)
-        return shown.scene
-
-    @property
-    def times(self) -> Array:
-        """Of the samples that are drawn, Shape (k,) [s]."""
-        if self.state is not None:
-            return self.state.trajectory.time
-        assert self.held is not None  # noqa: S101 (likewise)
-        return self.held.time
+    def state(self) -> PlayerState | None:
+        """The motion, if it can be played."""
+        return self.shown if isinstance(self.shown, PlayerState) else None
 
     def clearance(self) -> tuple[Clearance | None, tuple[Remark, ...]]:
         """As `clearance_remarks`, at the speed that is played; nothing until it is known."""
@@ -71,9 +56,9 @@ class Answer:
     @property
     def message(self) -> str:
         """Why the motion cannot be played; empty if it can, or none was given."""
-        if self.held is not None:
-            return self.held.message
-        return "" if self.error is None else str(self.error)
+        if isinstance(self.shown, MrtsError):
+            return str(self.shown)
+        return self.shown.message if isinstance(self.shown, HeldPoses) else ""
 
 
 def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
@@ -82,8 +67,8 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
     try:
         cell, motion = choices.cell(given.cell), choices.motion(given)
         if given.stands and isinstance(motion, ObjectMotion):
-            return Answer(choices, held=held_poses(cell, motion))
-        state = PlayerState(
+            return Answer(choices, held_poses(cell, motion))
+        state = play(
             cell,
             motion,
             sharing=given.sharing,
@@ -94,8 +79,8 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
         )
     except MrtsError as error:
         if isinstance(error, MotionError) and isinstance(motion, ObjectMotion):
-            return Answer(choices, held=held_poses(cell, motion, str(error)))
-        return Answer(choices, error=error)
+            return Answer(choices, held_poses(cell, motion, str(error)))
+        return Answer(choices, error)
     return Answer(choices, state)
 
 
@@ -114,7 +99,7 @@ class Workbench:
     """Choices of one user, and the newest answer that was taken.
 
     Raises:
-        MrtsError: As `PlayerState`, where what was given has no answer.
+        MrtsError: As `play`, where what was given has no answer.
     """
 
     def __init__(self, given: Given, progress: Progress = lambda _done, _total: None) -> None:
@@ -125,8 +110,8 @@ class Workbench:
         self._request: _Request | None = None
         self._taken: _Request | None = None
         self._known = self.answer = find_answer(given, self.choices, progress)
-        if self.answer.error is not None:
-            raise self.answer.error
+        if isinstance(self.answer.shown, MrtsError):
+            raise self.answer.shown
         self._jobs.append(self._worker.submit(self._look_for_collisions, None, self.answer))
 
     @property
@@ -211,6 +196,6 @@ class Workbench:
         if speeds.c2(c) == known.state.trajectory.c2:
             return known
         try:
-            return replace(known, state=known.state.at_speed(c))
+            return replace(known, shown=known.state.at_speed(c))
         except MrtsError as error:
-            return Answer(choices, error=error)
+            return Answer(choices, error)

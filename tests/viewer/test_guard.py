@@ -194,7 +194,7 @@ def test_values_beyond_the_ends_are_the_ends(viewer):
             np.testing.assert_allclose(viewer.shown.state.trajectory.c, shown)
         set_slider(viewer, opened, "speed c", before)
         set_slider(viewer, opened, "time [s]", 1e300, viewer.controls["time [s]"].max)
-        assert viewer.shown.state.sample == len(viewer.shown.state.trajectory.time) - 1
+        assert viewer.shown.sample == len(viewer.shown.state.trajectory.time) - 1
 
 
 def test_too_large_a_message_ends_its_connection_only(viewer):

@@ -12,7 +12,7 @@ import mrts
 from mrts.base.printable import html_text
 from mrts.scaling.range import intersect
 from mrts.viewer.panel import moment_html, outcome_html, speed_html
-from mrts.viewer.player_state import PlayerState, offered_speeds, widened_torques
+from mrts.viewer.player_state import offered_speeds, play, widened_torques
 
 NEAR_END = 1e-6
 """Relative distance from the end of a sample's range at which rounding decides."""
@@ -24,12 +24,12 @@ def synthetic(lower, upper):
 
 @pytest.mark.quick
 def test_it_starts_at_the_fastest_admissible_speed(planar_cell, lift):
-    state, result = PlayerState(planar_cell, lift), mrts.scale(planar_cell, lift)
+    state, result = play(planar_cell, lift), mrts.scale(planar_cell, lift)
     np.testing.assert_array_equal(state.trajectory.torque, result.trajectory.torque)
     assert state.trajectory.c2 == result.range.upper.c2
     assert state.speeds.upper == pytest.approx(1.2 * state.trajectory.c, rel=0.01)
     # the slider shows three digits, but its end is the exact one
-    state.choose_speed(round(state.trajectory.c, state.speeds.digits))
+    state = state.at_speed(round(state.trajectory.c, state.speeds.digits))
     assert state.trajectory.c2 == result.range.upper.c2
 
 
@@ -41,12 +41,12 @@ def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
     """Any number of arms, planar and spatial, with sliding joints; the oracle is the range."""
     rng = np.random.default_rng([7, arms])
     case = make(rng, tmp_path, arms)
-    state = PlayerState(case.cell, case.motion)
+    state = play(case.cell, case.motion)
     samples = state.result.range.samples
     finite = samples.upper[np.isfinite(samples.upper) & (samples.upper > 0)]
     seen = set()
     for c in np.sqrt(np.quantile(finite, [0.0, 0.3, 0.9]) if finite.size else np.ones(1)) * 1.01:
-        state.choose_speed(float(c))
+        state = state.at_speed(float(c))
         c2 = state.trajectory.c2
         beyond = (c2 > samples.upper) | (c2 < samples.lower)
         clear = np.abs(c2 - samples.upper) > NEAR_END * c2
@@ -61,7 +61,7 @@ def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
 
 
 def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, lift_and_turn):
-    state = PlayerState(dual_ur5, lift_and_turn)
+    state = play(dual_ur5, lift_and_turn)
     end, rule = state.trajectory, state.result.options
     torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7))
     np.testing.assert_allclose(torque, end.torque, atol=0.01)
@@ -69,7 +69,7 @@ def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, lift_and_tur
 
 
 def test_an_infeasible_motion_still_plays(planar_cell, lift):
-    state = PlayerState(planar_cell.with_mass(60.0), lift)
+    state = play(planar_cell.with_mass(60.0), lift)
     assert state.result.trajectory is None
     assert state.trajectory.c == 1
     assert not state.admissible
@@ -77,14 +77,14 @@ def test_an_infeasible_motion_still_plays(planar_cell, lift):
     assert np.max(state.excess) >= worst * (1 - 1e-6)
     assert "these limits conflict" in outcome_html(state)
     assert "Outside the admissible range" in speed_html(state)
-    assert "no torques carry the object" in moment_html(state)
+    assert "no torques carry the object" in moment_html(state, 0)
 
 
 def test_at_rest_any_speed_plays(planar_cell, lift):
-    state = PlayerState(planar_cell, still_motion(lift.position[0]))
+    state = play(planar_cell, still_motion(lift.position[0]))
     assert (state.trajectory.c, state.speeds.upper) == (1, 3)
-    assert "∞" in moment_html(state)
-    state.choose_speed(3.0)
+    assert "∞" in moment_html(state, 0)
+    state = state.at_speed(3.0)
     assert state.admissible
 
 
@@ -112,9 +112,9 @@ def test_speeds_on_offer_pass_both_ends(lower, upper, start, high):
 
 
 def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_turn):
-    state = PlayerState(dual_ur5, lift_and_turn)
+    state = play(dual_ur5, lift_and_turn)
     assert state.violations() == []
-    state.choose_speed(state.speeds.upper)
+    state = state.at_speed(state.speeds.upper)
     named = state.violations()
     assert named[0][0].kind == "velocity"
     assert [excess for _, excess, _ in named] == sorted((excess for _, excess, _ in named), reverse=True)
@@ -124,4 +124,4 @@ def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_tur
     passed = [
         use for use in mrts.scale(free, lift_and_turn).limit_uses if use.name.kind == "velocity" and use.share > 1
     ]
-    assert f"{len(passed)} of 12 joints" in speed_html(PlayerState(free, lift_and_turn))
+    assert f"{len(passed)} of 12 joints" in speed_html(play(free, lift_and_turn))

@@ -153,7 +153,7 @@ def test_an_answer_is_outdated_as_soon_as_a_control_changes(viewer):
 def test_it_opens_at_the_moment_that_decides(spatial):
     state, upper = spatial.shown.state, spatial.shown.state.result.range.upper
     assert 0 < upper.sample < len(state.trajectory.time) - 1
-    assert state.sample == upper.sample
+    assert spatial.shown.sample == upper.sample
     assert spatial.controls["time [s]"].value == pytest.approx(state.trajectory.time[upper.sample], abs=1e-4)
     assert state.card.deciding.name.element in spatial.controls["one limit"].value
     assert not spatial.controls["of that limit [%]"].disabled
@@ -167,7 +167,7 @@ def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatc
         viewer.bench.edit(viewer.bench.choices.with_pose(Place("base", "left"), far))
         viewer.shown.settle()
         ((tip, grasp),) = drawn(viewer, "/gaps").points
-        held = viewer.bench.answer.held
+        held = viewer.bench.answer.shown
         assert np.linalg.norm(grasp - tip) == pytest.approx(held.gap[0, 0], rel=1e-5)
         label = drawn(viewer, "/gap_names/left")
         assert (label.visible, label.text) == (True, f"left: {1000 * held.gap[0, 0]:.0f} mm short")
@@ -225,9 +225,9 @@ def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spat
     viewer.step(0.4 * FRAME)
     viewer.playback.toggle()
     viewer.step(FRAME)
-    np.testing.assert_array_equal(drawn(spatial, "/carried").position, course.position[state.sample])
-    np.testing.assert_allclose(turned(drawn(spatial, "/carried")), course.rotation[state.sample], atol=1e-12)
-    moment = course.moment(state.sample)
+    np.testing.assert_array_equal(drawn(spatial, "/carried").position, course.position[viewer.sample])
+    np.testing.assert_allclose(turned(drawn(spatial, "/carried")), course.rotation[viewer.sample], atol=1e-12)
+    moment = course.moment(viewer.sample)
     for robot, (R, p) in zip(state.result.cell.robots, moment.bodies, strict=True):
         frame = drawn(spatial, f"/arms/{robot.name}/body{len(robot.joints)}")
         np.testing.assert_allclose(frame.position, p[-1], atol=SINGLE)
@@ -298,12 +298,12 @@ def test_a_saved_result_plays_without_a_compiler(lifted, tmp_path, monkeypatch):
         viewer = opened.shown
         viewer.playback.toggle()
         viewer.step(1.0)
-        before = state.sample
+        before = viewer.sample
         for _ in range(4):
             viewer.step(0.2)
-        assert state.sample > before
+        assert viewer.sample > before
         assert opened.controls["Play"].label == "Pause"
-        assert f"--mrts-cursor: {state.time / state.trajectory.duration:.4f}" in viewer.plots.cursor.content
+        assert f"--mrts-cursor: {state.time[viewer.sample] / state.trajectory.duration:.4f}" in viewer.plots.cursor.content
 
 
 def test_the_knob_stops_the_motion_on_its_path_and_lets_it_go_on(viewer):

@@ -123,7 +123,7 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     end = Place("end")
     there = end.given(spatial)
     answer = changed(spatial, Choices().with_pose(end, RigidTransform(there.R, there.p + np.array([0.0, 0.0, 0.6]))))
-    found = answer.held
+    found = answer.shown
     assert answer.state is None
     assert "cannot reach" in answer.message
     lost = int(np.flatnonzero(~np.all(found.reached, axis=1))[0])
@@ -139,14 +139,14 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
 
 def test_a_cell_without_a_motion_stands_at_its_posture_and_follows_its_places(planar_cell):
     bench = Workbench(Given(planar_cell, still_motion(planar_cell), stands=True))
-    held, robot = bench.answer.held, planar_cell.robots[0]
+    held, robot = bench.answer.shown, planar_cell.robots[0]
     assert held.reached.all()
     np.testing.assert_allclose(held.scene.q[0, :3], robot.posture, atol=1e-6)
     grasp = held.scene.position[0] + held.scene.rotation[0] @ robot.T_object_tip.p
     np.testing.assert_allclose(grasp, joint_points(robot, robot.posture[None])[0, -1], atol=1e-6)
     far = RigidTransform(np.eye(3), robot.T_world_base.p - np.array([0.0, 3.0, 0.0]))
     bench.edit(bench.choices.with_pose(Place("base", "left"), far))
-    held = answered(bench).held
+    held = answered(bench).shown
     assert held.reached[0].tolist() == [False, True]
     assert held_html(held).count("mm") == 1
 
