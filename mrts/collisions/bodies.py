@@ -15,7 +15,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
 from mrts.base.formats.file_reference import file_of_uri, is_uri
 from mrts.base.regular_file import is_file
-from mrts.base.rigid_transform import rotations_from_vectors
+from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors
 from mrts.cell.robot import Robot
 
 
@@ -38,6 +38,12 @@ def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
         rotations.append(R)
         positions.append(p)
     return np.stack(rotations, axis=1), np.stack(positions, axis=1)
+
+
+def tip_at_posture(robot: Robot) -> RigidTransform:
+    """The tip in the world, with the arm at its posture."""
+    R, p = body_poses(robot, robot.posture[None])
+    return RigidTransform(R[0, -1], p[0, -1]) @ robot.T_base_tip
 
 
 @contextmanager

@@ -11,10 +11,9 @@ from mrts.cell.cell import Cell
 from mrts.plots.labels import shortened
 from mrts.plots.plotly_drawer import FONT, numbers, plot_text
 from mrts.scaling.result import ScalingResult
-from mrts.scene.cell_shapes import contact_forces, joint_points
-from mrts.scene.cell_view import look_at_cell
+from mrts.scene.cell_view import look_at
 from mrts.scene.held_body import held_body, object_edges, shape_surface
-from mrts.scene.scene import FORCE, OBJECT, SEE_THROUGH, SURROUNDINGS, Rgb, arm_hex, suited_pace
+from mrts.scene.scene import FORCE, OBJECT, SEE_THROUGH, SURROUNDINGS, Rgb, Scene, arm_hex, suited_pace
 
 MOST_FRAMES = 160
 MOST_TRIANGLES = 250
@@ -25,12 +24,6 @@ LONGEST_ARROW = 0.22
 
 NO_FORCE = 1e-9
 """Forces up to this are rounding [N]."""
-
-HEAD = 0.25
-"""Of an arrow, as a share of its length."""
-
-NO_LENGTH = 1e-12
-"""What is shorter is not divided by [m]."""
 
 EYE = 1.7
 """How far a camera stands from the middle, in sides of the scene."""
@@ -52,20 +45,20 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
         longest arrow stands for [N], and "clocks" of plots at the frames: "given" and "played" [s], "way" if known.
     """
     cell, given, done = result.cell, result.motion.object, result.trajectory
-    time = given.time if done is None else done.time
-    count = len(time)
+    nowhere = np.zeros(len(given.time), dtype=bool)
+    whole = Scene(cell, given.time, result.motion.q, given.position, given.rotation, nowhere)
+    whole = whole if done is None else Scene.of(done)
+    count = len(whole.time)
     frames = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
-    q = (result.motion.q if done is None else done.q)[frames]
-    arms = [
-        joint_points(robot, q[:, joints]) for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
-    ]
+    scene = whole.at(frames)
+    arms, position, rotation = scene.lines, scene.position, scene.rotation
     vertices, triangles = held_body(cell, MOST_TRIANGLES)
-    box = given.position[frames, None] + np.einsum("nij,kj->nki", given.rotation[frames], vertices)
-    holds = [np.stack([given.position[frames], arm[:, -1]], axis=1) for arm in arms]
+    box = position[:, None] + np.einsum("nij,kj->nki", rotation, vertices)
+    holds = [np.stack([position, arm[:, -1]], axis=1) for arm in arms]
     segments = [box[:, edge] for edge in object_edges(vertices, triangles)] + holds
     edges = np.concatenate([np.insert(segment, 2, np.nan, axis=1) for segment in segments], axis=1)
     solid = np.concatenate([*arms, box], axis=1).reshape(-1, 3)
-    arrows, largest = _force_arrows(result, frames, LONGEST_ARROW * float(np.max(np.ptp(solid, axis=0))))
+    arrows, largest = _arrows(scene, LONGEST_ARROW * float(np.max(np.ptp(solid, axis=0)))), scene.strongest[0]
     moving = [
         (arm, _arm_trace(robot.name, index, arm.shape[1]))
         for index, (robot, arm) in enumerate(zip(cell.robots, arms, strict=True))
@@ -75,24 +68,26 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
         (edges, _line_trace("object", "#555", 3, legend=False)),
     ]
     if largest > NO_FORCE:
-        moving.append((arrows, _line_trace("force on the object", f"rgb{FORCE}", 5)))
-    path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
+        tips = {"color": f"rgb{FORCE}", "size": [0, 6, 0] * len(arms), "symbol": "diamond"}
+        trace = _line_trace("force on the object", f"rgb{FORCE}", 5)
+        moving.append((arrows, trace | {"mode": "lines+markers", "marker": tips}))
+    path = _line_trace("path of the object", "#888", 2) | _coordinates(position)
     obstacles = [
         _surface_trace(one.name, faces, SURROUNDINGS, SEE_THROUGH) | _coordinates(points)
         for one in cell.surroundings
         for points, faces in [shape_surface(one, MOST_TRIANGLES)]
     ]
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
-    view = look_at_cell(cell, q, given.position[frames])
+    view = look_at(scene)
     eyes = {"eye": EYE * view.direction, "up": view.up}
     camera = {name: dict(zip("xyz", axis.tolist(), strict=True)) for name, axis in eyes.items()}
-    clocks = {"given": given.time, "played": time} | ({} if way is None else {"way": way})
+    clocks = {"given": given.time, "played": whole.time} | ({} if way is None else {"way": way})
     return {
         "data": [*still, path, *obstacles],
         "layout": _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)]), camera),
         "frames": [_coordinates(points) for points, _ in moving],
-        "time": numbers(time[frames]),
-        "speed": suited_pace(float(time[-1])),
+        "time": numbers(scene.time),
+        "speed": suited_pace(float(scene.time[-1])),
         "largest_force": largest if largest > NO_FORCE else 0.0,
         "clocks": {name: numbers(clock[frames]) for name, clock in clocks.items()},
     }
@@ -103,27 +98,11 @@ def _coordinates(points: Array) -> dict[str, Any]:
     return {axis: numbers(np.round(points[..., index], 5)) for index, axis in enumerate("xyz")}
 
 
-def _force_arrows(result: ScalingResult, frames: Array, longest: float) -> tuple[Array, float]:
-    """All forces as arrows in one line with gaps, Shape (frames, P, 3), and the largest force [N]."""
-    if result.trajectory is None:
-        return np.empty((len(frames), 0, 3)), 0.0
-    cell, given, wrench = result.cell, result.motion.object, result.trajectory.wrench
-    point, force, _ = contact_forces(cell, given.position[frames], given.rotation[frames], wrench[frames])
-    largest = float(np.max(np.linalg.norm(force, axis=-1)))
-    scale = longest / largest if largest > NO_FORCE else 0.0
-    return _arrows(point, scale * force).reshape(len(frames), -1, 3), largest
-
-
-def _arrows(start: Array, along: Array) -> Array:
-    """Arrows as lines: a shaft, two pairs of barbs at right angles, a gap, Shape (…, 10, 3)."""
-    tip, length = start + along, np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), NO_LENGTH)
-    across = np.cross(along, np.eye(3)[np.argmin(np.abs(along), axis=-1)])
-    across *= length / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), NO_LENGTH)
-    other = np.cross(along, across) / length
-    back, half = tip - HEAD * along, HEAD / 2
-    barbs = [back + half * across, back - half * across, back + half * other, back - half * other]
-    line = [start, tip, barbs[0], tip, barbs[1], tip, barbs[2], tip, barbs[3], np.full_like(tip, np.nan)]
-    return np.stack(line, axis=-2)
+def _arrows(scene: Scene, longest: float) -> Array:
+    """Forces as lines with gaps, from a contact to a tip, the longest so long [m], Shape (frames, 3 arms, 3)."""
+    point, force, _ = scene.contacts
+    tip = point + longest / max(scene.strongest[0], NO_FORCE) * force
+    return np.stack([point, tip, np.full_like(tip, np.nan)], axis=2).reshape(len(point), -1, 3)
 
 
 def _arm_trace(name: str, index: int, points: int) -> dict[str, Any]:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.collisions.bodies import posed_urdf, reading_meshes
-from mrts.scene.cell_shapes import shares_base
 from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, Rgb, arm_colour
 
 if TYPE_CHECKING:
@@ -31,6 +31,9 @@ JOINT = (62, 70, 82)
 
 AROUND = 32
 """Corners of a cylinder's circle."""
+
+SAME_PLACE = 1e-3
+"""Bases of two arms that are nearer are one: the torso of one machine [m]."""
 
 SHARP = 0.6
 """Angle between faces from which the side between them is an edge [rad]."""
@@ -78,6 +81,18 @@ def drawn_arms(cell: Cell, urdfs: Urdfs, warn: Warn) -> list[list[ArmMesh]]:
         parts = [ArmMesh(body, mesh, colour if body else base, marks=True) for body, mesh in meshes]
         found.append(parts or bars(robot, colour))
     return found
+
+
+def shares_base(cell: Cell, robot: Robot) -> bool:
+    """Whether another arm stands where this one does, on the same machine."""
+    bases = [other.T_world_base.p for other in cell.robots if other is not robot]
+    return any(float(np.linalg.norm(base - robot.T_world_base.p)) < SAME_PLACE for base in bases)
+
+
+def name_place(cell: Cell, robot: Robot) -> Array:
+    """Where an arm's name stands, Shape (3,) [m]: at its base, or at its first joint where another has that too."""
+    base = robot.T_world_base
+    return base.p + base.R @ robot.points[0] if shares_base(cell, robot) else base.p
 
 
 def bars(robot: Robot, colour: Rgb) -> list[ArmMesh]:

@@ -7,8 +7,8 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.scene.cell_shapes import joint_points, perpendicular
-from mrts.scene.held_body import held_body
+from mrts.scene.held_body import held_body, perpendicular
+from mrts.scene.scene import Scene
 
 FIELD_OF_VIEW = np.deg2rad(45.0)
 """From the lower to the upper edge of the picture [rad]."""
@@ -86,13 +86,10 @@ class CellView:
         return Camera(np.array([*middle, -distance]) @ axes, axes, np.array([*middle, depth]) @ axes)
 
 
-def look_at_cell(cell: Cell, q: Array, position: Array) -> CellView:
-    """Look at a cell from the front: along the level line that is normal to its widest extent.
-
-    Seen are joint positions q, Shape (N, m), and those of the object, Shape (N, 3).
-    """
-    slices = cell.joint_slices
-    lines = [joint_points(robot, q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]
+def look_at(scene: Scene) -> CellView:
+    """Look at a cell from the front: along the level line that is normal to its widest extent."""
+    cell, position = scene.cell, scene.position
+    lines = [line.reshape(-1, 3) for line in scene.lines]
     reach = float(np.max(np.linalg.norm(held_body(cell)[0], axis=1)))
     around = [position + sign * reach * axis for sign in (-1, 1) for axis in np.eye(3)]
     points = np.concatenate([*lines, *around])

@@ -16,7 +16,7 @@ from mrts.base.printable import cut, printable
 from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import COLOURS
 from mrts.scene.arm_meshes import Warn
-from mrts.scene.cell_view import look_at_cell
+from mrts.scene.cell_view import look_at
 from mrts.scene.renderer import Clip, Frame, SceneRenderer, silent
 from mrts.scene.scene import OVER_LIMIT, rgba
 
@@ -78,10 +78,10 @@ class Composition:
         self._width, self._height = width, 2 * int(width * SHAPE / 2)  # an mp4 has even sides
         self.size = width * len(clips), HEADING + self._height + PLOT + FOOT
         scenes = [clip.scene for clip in clips]
-        views = [look_at_cell(scene.cell, scene.q, scene.position) for scene in scenes]
+        views = [look_at(scene) for scene in scenes]
         view = replace(views[0], points=np.concatenate([each.points for each in views]))
         camera = view.camera(self._width / self._height)
-        strongest = max(clip.strongest for clip in clips)
+        strongest = max(scene.strongest[0] for scene in scenes)
         scale = ARROW * view.size / strongest if strongest > 0 else 0.0
         self._renderers: list[SceneRenderer] = []
         try:

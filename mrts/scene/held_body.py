@@ -10,7 +10,12 @@ from mrts.base.arrays import Array
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
 from mrts.cell.cell import Cell
 from mrts.cell.record import ShapeRecord
-from mrts.scene.cell_shapes import object_box, perpendicular
+
+THINNEST = 0.05
+"""Least side of a drawn object, as a share of its longest: a planar object may have no thickness."""
+
+SMALLEST = 1e-3
+"""What counts as the longest side of an object whose inertia gives it none [m]."""
 
 CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
 """Of a box with sides of 1."""
@@ -63,6 +68,14 @@ def held_body(cell: Cell, most: int = MOST_DRAWN) -> Surface:
     return np.concatenate(boxes), np.concatenate(triangles)
 
 
+def object_box(cell: Cell) -> Array:
+    """Sides of the uniform box along the object's axes with about its mass and inertia, Shape (3,) [m]."""
+    diagonal = np.diag(cell.inertia)
+    squares = 6 / cell.mass * (np.sum(diagonal) - 2 * diagonal)
+    sides: Array = np.sqrt(np.maximum(squares, 0))
+    return np.maximum(sides, THINNEST * max(float(np.max(sides)), SMALLEST))
+
+
 def _narrowed(half: Array, contacts: Array) -> Array:
     """Half sides of a box with no contact deep inside, unless that took more than `WAIST` leaves."""
     half = half.copy()
@@ -80,6 +93,12 @@ def _bar(start: Array, end: Array, half_width: float) -> Array:
     axes = np.stack([2 * half_width * across, 2 * half_width * np.cross(along, across), end - start])
     corners: Array = (start + end) / 2 + CORNERS @ axes
     return corners
+
+
+def perpendicular(direction: Array) -> Array:
+    """A unit vector at right angles to a direction, Shape (3,)."""
+    across = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    return np.asarray(across / np.linalg.norm(across))
 
 
 def shape_surface(shape: ShapeRecord, most: int = MOST_DRAWN) -> Surface:

@@ -16,7 +16,6 @@ from mrts.base.errors import InputError
 from mrts.plots.card import Card
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
-from mrts.scene.cell_shapes import contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import Surface, held_body, outlines, shape_surface
 from mrts.scene.scene import (
@@ -28,7 +27,6 @@ from mrts.scene.scene import (
     SURROUNDINGS,
     Rgb,
     Scene,
-    blended,
     rgba,
     round_down,
     wxyz,
@@ -88,19 +86,6 @@ class Clip:
     def scene(self) -> Scene:
         """Where everything is at the trajectory's samples."""
         return Scene.of(self.trajectory)
-
-    def place(self, time: float) -> float:
-        """Where a played time [s] is among the samples, or between two; before the start and after the end at it."""
-        done = self.trajectory
-        return float(np.interp(time, done.time, np.arange(len(done.time))))
-
-    @property
-    def strongest(self) -> float:
-        """The largest force of one arm on the object [N]."""
-        cell, wrench = self.trajectory.cell, self.trajectory.wrench
-        forces = np.array([unit == "N" for unit in cell.wrench_units])
-        sizes = [np.linalg.norm(wrench[:, part][:, forces], axis=1) for part in cell.wrench_slices.values()]
-        return float(np.max(sizes, initial=0.0))
 
 
 def require_renderer() -> Any:
@@ -175,8 +160,7 @@ class SceneRenderer:
 
     def picture(self, time: float) -> Frame:
         """A picture of a moment of the played time [s]."""
-        place = self._clip.place(time)
-        moment = self._clip.scene.moment(place)
+        moment = self._clip.scene.moment(self._clip.scene.place(time))
         self._move("object", moment.rotation, moment.position)
         for number, (R, p) in enumerate(moment.bodies):
             for index in range(len(R)):
@@ -185,8 +169,7 @@ class SceneRenderer:
         self._mujoco.mj_camlight(self._model, self._data)
         self._renderer.update_scene(self._data, camera="camera")
         self._add_path()
-        wrench = blended(self._clip.trajectory.wrench, place)
-        self._add_forces(*contact_forces(moment.cell, moment.position, moment.rotation, wrench)[:2])
+        self._add_forces(*moment.contacts[:2])
         drawn: Frame = self._renderer.render()
         return drawn
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is drawn of a motion, whoever draws it: where everything is, in which colours, and how fast it plays."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
 from mrts.collisions.bodies import body_poses
 from mrts.plots.plot import COLOURS
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scene.cell_shapes import points_on_bodies
 
 Rgb = tuple[int, int, int]
 """0 to 255."""
@@ -73,26 +73,36 @@ def suited_pace(duration: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Arms and object along a motion, at k samples.
+    """Arms, object and forces along a motion, at k samples.
 
     Attributes:
+        time: Shape (k,) [s].
         q: Joint positions, Shape (k, m) [rad or m].
         position, rotation: Of the object, Shape (k, 3) [m] and (k, 3, 3).
         passed: Where a limit is passed, or an arm does not reach, Shape (k,).
+        wrench: Of all arms on the object, each in its base axes and the cell's components, Shape (k, n w) [N, N m];
+            None where nothing is known of it.
     """
 
     cell: Cell
+    time: Array
     q: Array
     position: Array
     rotation: Array
     passed: NDArray[np.bool_]
+    wrench: Array | None = None
 
     @classmethod
     def of(cls, done: ScaledTrajectory, passed: NDArray[np.bool_] | None = None) -> "Scene":
         """A motion at its samples."""
         carried = done.motion.object
-        nowhere = np.zeros(len(carried.time), dtype=bool)
-        return cls(done.cell, done.q, carried.position, carried.rotation, nowhere if passed is None else passed)
+        nowhere = np.zeros(len(done.time), dtype=bool) if passed is None else passed
+        return cls(done.cell, done.time, done.q, carried.position, carried.rotation, nowhere, done.wrench)
+
+    def at(self, samples: NDArray[np.integer]) -> "Scene":
+        """At some of its samples."""
+        names = ("time", "q", "position", "rotation", "passed", *(["wrench"] if self.wrench is not None else []))
+        return replace(self, **{name: getattr(self, name)[samples] for name in names})
 
     @cached_property
     def bodies(self) -> tuple[tuple[Array, Array], ...]:
@@ -102,37 +112,64 @@ class Scene:
             for robot, joints in zip(self.cell.robots, self.cell.joint_slices.values(), strict=True)
         )
 
+    @cached_property
+    def lines(self) -> tuple[Array, ...]:
+        """By arm, a line through its base, its joints and its tip, Shape (k, n_i + 2, 3) [m]."""
+        return tuple(arm_line(robot, *body) for robot, body in zip(self.cell.robots, self.bodies, strict=True))
+
+    @cached_property
+    def contacts(self) -> tuple[Array, Array, Array]:
+        """Where each arm holds the object [m], its forces [N] and moments [N m] on it, world, Shape (k, n, 3) each."""
+        cell, samples = self.cell, len(self.time)
+        six = np.zeros((samples, len(cell.robots), 6))
+        if self.wrench is not None:
+            six[..., cell.wrench_rows] = self.wrench.reshape(samples, len(cell.robots), -1)
+        bases = np.array([robot.T_world_base.R for robot in cell.robots])
+        tips = np.array([robot.T_object_tip.p for robot in cell.robots])
+        force, moment = (np.einsum("rij,krj->kri", bases, part) for part in (six[..., :3], six[..., 3:]))
+        return self.position[:, None] + np.einsum("kij,rj->kri", self.rotation, tips), force, moment
+
+    @property
+    def strongest(self) -> tuple[float, float]:
+        """The largest force [N] and moment [N m] of one arm on the object."""
+        force, moment = (float(np.max(np.linalg.norm(each, axis=-1))) for each in self.contacts[1:])
+        return force, moment
+
+    def place(self, time: float) -> float:
+        """Where a time [s] is among the samples, or between two; before the start and after the end at it."""
+        return float(np.interp(time, self.time, np.arange(len(self.time))))
+
     def moment(self, place: float) -> "Moment":
         """Where everything is at a sample, or between two of them.
 
         Every point of a body is then on the line between where it is at both, so that hands stay at their grasps.
         """
         return Moment(
-            cell=self.cell,
             position=blended(self.position, place),
             rotation=blended(self.rotation, place),
             bodies=tuple((blended(R, place), blended(p, place)) for R, p in self.bodies),
+            lines=tuple(blended(line, place) for line in self.lines),
+            contacts=tuple(blended(each, place) for each in self.contacts),
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """Poses at one moment; between samples rotations are so only to the square of the step.
+    """A scene at one moment, as its attributes; between samples rotations are so only to the square of the step."""
 
-    Attributes:
-        position, rotation: Of the object, Shape (3,) [m] and (3, 3).
-        bodies: By arm, Shape (n_i + 1, 3, 3), and Shape (n_i + 1, 3) [m].
-    """
-
-    cell: Cell
     position: Array
     rotation: Array
     bodies: tuple[tuple[Array, Array], ...]
+    lines: tuple[Array, ...]
+    contacts: tuple[Array, ...]
 
-    @cached_property
-    def lines(self) -> list[Array]:
-        """Each arm as a line through its base, its joints and its tip, Shape (n_i + 2, 3) [m]."""
-        return [points_on_bodies(robot, *body) for robot, body in zip(self.cell.robots, self.bodies, strict=True)]
+
+def arm_line(robot: Robot, R: Array, p: Array) -> Array:
+    """Base, a point on each joint axis, and tip of an arm, Shape (N, n_i + 2, 3) [m], with bodies of `body_poses`."""
+    # a joint's point moves with the body that it carries
+    points = p + np.einsum("kbij,bj->kbi", R, np.concatenate([np.zeros((1, 3)), robot.points]))
+    tip = p[:, -1:] + np.einsum("kbij,j->kbi", R[:, -1:], robot.T_base_tip.p)
+    return np.concatenate([points, tip], axis=1)
 
 
 def wxyz(R: Array) -> Array:

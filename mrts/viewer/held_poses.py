@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
+from mrts.collisions.bodies import tip_at_posture
 from mrts.following.tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.motion.object_motion import ObjectMotion
-from mrts.scene.cell_shapes import tip_at_posture
 from mrts.scene.scene import Scene
 
 MOST_SAMPLES = 41
@@ -22,14 +22,12 @@ class HeldPoses:
     """Where arms are at k poses of the object, by joint positions that come nearest.
 
     Attributes:
-        time: Of the samples looked at, Shape (k,) [s].
         gap: What is left between tip and grasp, Shape (k, robots) [m].
         reached: Whether an arm holds its grasp, Shape (k, robots); by itself, perhaps in another branch.
         message: Why some arm cannot follow the motion, with robot, sample and amount; empty where none was given.
     """
 
     scene: Scene
-    time: Array
     gap: Array
     reached: NDArray[np.bool_]
     message: str = ""
@@ -49,5 +47,6 @@ def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
     held = solve_grasps(cell, motion, samples, np.tile(cell.posture, (len(samples), 1)), FURTHER_STEPS, near=None)
     holds = reached(held)
-    scene = Scene(cell, held.q, motion.position[samples], motion.rotation[samples], ~np.all(holds, axis=1))
-    return HeldPoses(scene=scene, time=motion.time[samples], gap=held.gap, reached=holds, message=message)
+    carried = motion.time[samples], held.q, motion.position[samples], motion.rotation[samples]
+    scene = Scene(cell, *carried, passed=~np.all(holds, axis=1))
+    return HeldPoses(scene=scene, gap=held.gap, reached=holds, message=message)

@@ -136,7 +136,7 @@ def moment_html(state: PlayerState | None, sample: int) -> str:
     if state is None:
         return _paragraph("moment", "")
     found = state.result.range
-    text = f"t = {state.time[sample]:.4g} s of {state.trajectory.duration:.4g} s. "
+    text = f"t = {state.trajectory.time[sample]:.4g} s of {state.trajectory.duration:.4g} s. "
     conflict = next((conflict for conflict in found.samples.conflicts if conflict.sample == sample), None)
     if conflict is not None:
         return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)

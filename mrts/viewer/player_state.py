@@ -140,12 +140,7 @@ class PlayerState:
         excess = np.max(kept.excess(kept.value(done.torque, done.wrench, 0.0, done.c)), axis=1, initial=0.0)
         return np.where(excess > LIMIT_TOLERANCE, excess, 0.0)
 
-    @property
-    def time(self) -> Array:
-        """Of the samples, at the chosen speed, Shape (N,) [s]."""
-        return self.trajectory.time
-
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """What is drawn of it."""
         return Scene.of(self.trajectory, self.excess > 0)
@@ -183,7 +178,7 @@ class PlayerState:
     def violations(self) -> list[tuple[RowName, float, float]]:
         """Limits that are passed at some sample, the worst first: by which share at most, and when [s]."""
         limited = all_quantities(self.trajectory)
-        worst, times = np.max(limited.excess, axis=0), self.time[np.argmax(limited.excess, axis=0)]
+        worst, times = np.max(limited.excess, axis=0), self.trajectory.time[np.argmax(limited.excess, axis=0)]
         found = zip(limited.rows, worst.tolist(), times.tolist(), strict=True)
         return sorted((one for one in found if one[1] > LIMIT_TOLERANCE), key=lambda one: -one[1])
 

@@ -11,9 +11,8 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance
 from mrts.plots.card import LimitBar
-from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
-from mrts.scene.cell_shapes import contact_forces, name_place
-from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
+from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms, name_place
+from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at
 from mrts.scene.held_body import held_body, outlines, shape_surface
 from mrts.scene.scene import (
     FORCE,
@@ -24,15 +23,12 @@ from mrts.scene.scene import (
     PATH,
     SEE_THROUGH,
     SURROUNDINGS,
-    Moment,
     Scene,
     arm_colour,
-    blended,
     round_down,
     wxyz,
 )
 from mrts.viewer.held_poses import HeldPoses
-from mrts.viewer.player_state import PlayerState
 
 THICKNESS, HAND = 0.02, 1.7
 """That arrows and the path are drawn by, as a share of the cell's size; and radius of a hand by that."""
@@ -75,9 +71,7 @@ class ViewerScene:
 
     def __init__(self, server: viser.ViserServer, shown: Scene, urdfs: Urdfs, warn: Warn) -> None:
         self._server, self._scene = server, server.scene
-        self._course = shown
-        cell = self._course.cell
-        self._view = look_at_cell(cell, self._course.q, self._course.position)
+        cell, self._view = shown.cell, look_at(shown)
         self.size = self._view.size
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self._look()
@@ -117,10 +111,17 @@ class ViewerScene:
         self._fitted: dict[int, tuple[float, Camera]] = {}
         self.show(shown)
 
-    def show(self, course: Scene) -> None:
-        """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand."""
+    def show(self, course: Scene, *, anew: bool = True) -> None:
+        """Draw what does not move along the motion: its path, its ends; anew also the object and where arms stand.
+
+        Arrows keep their scale unless they are drawn anew.
+        """
         self._course = course
-        self._draw_body(course.cell)
+        if anew:
+            self._draw_body(course.cell)
+            self.metres_per_newton, self.metres_per_newton_metre = (
+                round_down(ARROW * self.size / value) if value > 0 else 1.0 for value in course.strongest
+            )
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
         poses = np.hstack([course.position, course.rotation.reshape(-1, 9)])
@@ -139,25 +140,26 @@ class ViewerScene:
         for robot, part, drawn in self._parts:
             drawn.color = part.colour(None if deciding is None else deciding.body(robot))
 
-    def rescale(self, state: PlayerState) -> None:
-        """Choose the arrows' lengths for a trajectory as it is now."""
-        done, cell = state.trajectory, state.result.cell
-        forces = np.array([unit == "N" for unit in cell.wrench_units] * len(cell.robots))
-        largest = [float(np.max(np.abs(done.wrench[:, part]), initial=0.0)) for part in (forces, ~forces)]
-        self.metres_per_newton, self.metres_per_newton_metre = (
-            round_down(ARROW * self.size / value) if value > 0 else 1.0 for value in largest
-        )
-
-    def show_moment(self, state: PlayerState, place: float) -> None:
-        """Draw a state at one of its samples, or between two while it plays."""
+    def show_moment(self, place: float, held: HeldPoses | None = None) -> None:
+        """Draw a sample, or what is between two while it plays; where arms do not reach, what is missing there."""
         moment = self._course.moment(place)
-        self._move(moment)
-        wrench = blended(state.trajectory.wrench, place)
-        point, force, turning = contact_forces(moment.cell, moment.position, moment.rotation, wrench)
+        for frames, (R, p) in zip(self._frames, moment.bodies, strict=True):
+            for frame, at, turn in zip(frames, p, wxyz(R), strict=True):
+                frame.position, frame.wxyz = at, turn
+        self._carried.position, self._carried.wxyz = moment.position, wxyz(moment.rotation)
+        point, force, turning = moment.contacts
         points = (point - moment.position) @ moment.rotation
         self._forces.points = self._arrows(points, force @ moment.rotation * self.metres_per_newton)
         self._moments.points = self._arrows(points, turning @ moment.rotation * self.metres_per_newton_metre)
-        self._show_gaps({})
+        missing = [] if held is None else np.flatnonzero(~held.reached[int(place)]).tolist()
+        gaps = np.array([(moment.lines[index][-1], point[index]) for index in missing]).reshape(-1, 2, 3)
+        self._gaps.points = gaps.astype(np.float32)
+        for index, (label, robot) in enumerate(zip(self._gap_names, self._course.cell.robots, strict=True)):
+            label.visible = index in missing
+            if held is not None and label.visible:
+                gap = held.gap[int(place), index]
+                short = f"{1000 * gap:.0f} mm short" if gap >= SHORTEST else "cannot turn so"
+                label.text, label.position = f"{robot.name}: {short}", np.mean(gaps[missing.index(index)], axis=0)
 
     def show_nearest(self, near: Clearance | None) -> None:
         """Draw the least distance along a motion between its two points, red if it is a depth, and say when it is."""
@@ -167,19 +169,6 @@ class ViewerScene:
             self._nearest.points = points[None].astype(np.float32)
             self._nearest.colors = np.full((1, 2, 3), OVER_LIMIT if near.collides else PATH, dtype=np.uint8)
             name.text, name.position = f"{1e3 * near.distance:.3g} mm at {near.time:.3g} s", np.mean(points, axis=0)
-
-    def show_gap(self, held: HeldPoses, sample: int) -> None:
-        """Draw how near the arms come to their grasps at one of the samples looked at."""
-        moment, self._forces.points, self._moments.points = self._course.moment(sample), NO_LINES, NO_LINES
-        self._move(moment)
-        lines: dict[int, tuple[Array, Array]] = {}
-        for index in np.flatnonzero(~held.reached[sample]).tolist():
-            tip, robot = moment.lines[index][-1], moment.cell.robots[index]
-            lines[index] = tip, moment.position + moment.rotation @ robot.T_object_tip.p
-            gap, label = held.gap[sample, index], self._gap_names[index]
-            short = f"{1000 * gap:.0f} mm short" if gap >= SHORTEST else "cannot turn so"
-            label.text, label.position = f"{robot.name}: {short}", np.mean(lines[index], axis=0)
-        self._show_gaps(lines)
 
     def darken(self, *, on: bool) -> None:
         """Draw the floor for a dark page, or for a light one."""
@@ -212,18 +201,6 @@ class ViewerScene:
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
         return np.stack([start[long], start[long] + step[long]], axis=1).astype(np.float32)
-
-    def _show_gaps(self, lines: dict[int, tuple[Array, Array]]) -> None:
-        """Gaps of arms by their index; their labels stand already."""
-        self._gaps.points = np.array([*lines.values()], dtype=np.float32).reshape(-1, 2, 3)
-        for index, label in enumerate(self._gap_names):
-            label.visible = index in lines
-
-    def _move(self, moment: Moment) -> None:
-        for frames, (R, p) in zip(self._frames, moment.bodies, strict=True):
-            for frame, at, turn in zip(frames, p, wxyz(R), strict=True):
-                frame.position, frame.wxyz = at, turn
-        self._carried.position, self._carried.wxyz = moment.position, wxyz(moment.rotation)
 
     def _draw_cell(self, cell: Cell, urdfs: Urdfs, warn: Warn) -> None:
         """Arms, a frame for each body that carries its meshes, that of the object, and what stands around them."""

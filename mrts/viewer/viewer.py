@@ -146,9 +146,9 @@ class Viewer:
                 "speed c", 0.0, 1.0, 1.0, 0.0, marks=((0.0, ""),), hint="× as fast as given", visible=not stands
             )
             self._shown_speed = self._speed.value
-        duration = float(answer.shown.time[-1])
+        duration = float(answer.shown.scene.time[-1])
         found = None if answer.state is None else answer.state.card.deciding
-        start = 0.0 if found is None else float(answer.shown.time[found.sample]) / duration
+        start = 0.0 if found is None else float(answer.shown.scene.time[found.sample]) / duration
         self.playback = Playback(gui, duration, later, start=start, visible=not stands)
         self._speed_text, self._moment_text = (gui.add_html("", visible=not stands) for _ in range(2))
         self._add_tabs(later, stands=stands)
@@ -258,17 +258,14 @@ class Viewer:
             self._error = text_html("error", str(shown))
             return  # what was shown before stays
         others = answer is self._answer or state is None or before is None or state.result is not before.result
-        self._answer, self._shown, self._error, self.playback.duration = answer, shown, "", float(shown.time[-1])
+        self._answer, self._shown, self._error, self.playback.duration = answer, shown, "", float(shown.scene.time[-1])
         with self.server.atomic():
-            if others:
-                self._scene.show(shown.scene)
+            self._scene.show(shown.scene, anew=others)
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             self._scene.show_nearest(near)
             self.playback.knob.take(state)
             if state is not None:
-                if others:
-                    self._scene.rescale(state)
                 self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
             elif isinstance(shown, HeldPoses):
                 self._outcome = held_html(shown)
@@ -287,16 +284,15 @@ class Viewer:
             set_marks(self._speed, speeds)
 
     def _show_moment(self, *, read: bool) -> None:
-        shown, at = self._shown, self.playback.time
-        self.sample = int(np.argmin(np.abs(shown.time - at)))
+        shown, scene, at = self._shown, self._shown.scene, self.playback.time
+        self.sample = int(np.argmin(np.abs(scene.time - at)))
         with self.server.atomic():
-            if isinstance(shown, PlayerState):
-                between = float(np.interp(at, shown.time, np.arange(len(shown.time))))
-                self._scene.show_moment(shown, between if self.playback.plays else self.sample)
-                if self.plots is not None:
-                    self.plots.at = float(shown.time[self.sample]) / shown.trajectory.duration
+            if isinstance(shown, HeldPoses):
+                self._scene.show_moment(self.sample, shown)
             else:
-                self._scene.show_gap(shown, self.sample)
+                self._scene.show_moment(scene.place(at) if self.playback.plays else self.sample)
+        if self.plots is not None:
+            self.plots.at = float(scene.time[self.sample] / scene.time[-1])
         if read:
             self.playback.show()
             self._moment_text.content = moment_html(self.state, self.sample)

@@ -16,8 +16,7 @@ import mrts
 from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import limit_shares
 from mrts.scene import film
-from mrts.scene.cell_shapes import contact_forces
-from mrts.scene.cell_view import FIELD_OF_VIEW, look_at_cell
+from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
 from mrts.scene.film import write_film, write_picture
 from mrts.scene.frames import KIND_COLOURS, Composition
 from mrts.scene.renderer import Clip, SceneRenderer
@@ -75,8 +74,8 @@ def seen(camera, points):
 
 def rendered(clip, time):
     """A small picture of a moment, its camera, and the metres of arrow for a newton."""
-    view = look_at_cell(clip.scene.cell, clip.scene.q, clip.scene.position)
-    camera, scale = view.camera(SIZE[0] / SIZE[1]), 0.3 * view.size / clip.strongest
+    view = look_at(clip.scene)
+    camera, scale = view.camera(SIZE[0] / SIZE[1]), 0.3 * view.size / clip.scene.strongest[0]
     drawn = SceneRenderer(clip, view, camera, SIZE, scale, pytest.fail)
     try:
         return drawn.picture(time).astype(float), camera, scale
@@ -139,12 +138,11 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     clip = clip_of("", mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml")))
     time = clip.trajectory.duration / 2
     picture, camera, scale = rendered(clip, time)
-    moment = clip.scene.moment(clip.place(time))
+    moment = clip.scene.moment(clip.scene.place(time))
     for number, line in enumerate(moment.lines):
         elbow = seen(camera, (line[2:3] + line[3:4]) / 2)[0].astype(int)
         assert where(picture, arm_colour(number))[elbow[1] - 2 : elbow[1] + 3, elbow[0] - 2 : elbow[0] + 3].any()
-    wrench = clip.trajectory.wrench[round(clip.place(time))]
-    point, pull, _ = contact_forces(dual_ur5, moment.position, moment.rotation, wrench)
+    point, pull, _ = moment.contacts
     force = where(picture, FORCE)
     for share, is_seen in ((0.9, True), (1.2, False)):
         for right, down in seen(camera, point + share * scale * pull).astype(int):

@@ -17,11 +17,10 @@ import mrts
 from mrts.cell.source_files import urdf_files
 from mrts.collisions.bodies import body_poses
 from mrts.plots.card import answer_card
-from mrts.scene.arm_meshes import arm_meshes, drawn_arms
-from mrts.scene.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
-from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
-from mrts.scene.held_body import held_body
-from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour
+from mrts.scene.arm_meshes import arm_meshes, drawn_arms, name_place, shares_base
+from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at
+from mrts.scene.held_body import held_body, object_box
+from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, Scene, arm_colour, arm_line
 
 SAME_PLACE = 1e-9
 """[m]; meshes pass through single precision nowhere, but yourdfpy's angles are its own."""
@@ -75,7 +74,7 @@ def test_meshes_stand_where_yourdfpy_puts_them(urdf, base_link, tip_link, joints
         ours = T.R.T @ (R[0, body] @ mesh.vertices[0] + p[0, body] - T.p)
         assert np.min(np.linalg.norm(theirs - ours, axis=1)) < SAME_PLACE
     tip = model.get_transform(tip_link, base)[:3, 3]
-    np.testing.assert_allclose(joint_points(robot, q[None])[0, -1], T.R @ tip + T.p, atol=SAME_PLACE)
+    np.testing.assert_allclose(arm_line(robot, R, p)[0, -1], T.R @ tip + T.p, atol=SAME_PLACE)
 
 
 def test_a_held_joint_is_drawn_where_it_stands_and_another_arm_not_at_all():
@@ -102,7 +101,7 @@ def test_what_two_arms_stand_on_has_the_colour_of_neither_and_their_names_stand_
         assert {part.colour() for part in parts if part.body} == {arm_colour(index)}
     for robot in machine.robots:
         assert shares_base(machine, robot)
-        shoulder = joint_points(robot, robot.posture[None])[0, 1]
+        shoulder = arm_line(robot, *body_poses(robot, robot.posture[None]))[0, 1]
         np.testing.assert_allclose(name_place(machine, robot), shoulder, atol=1e-12)
     for robot in dual_ur5.robots:
         assert not shares_base(dual_ur5, robot)
@@ -126,15 +125,15 @@ def test_the_joint_that_decides_stands_out(dual_ur5, turned):
 @pytest.mark.quick
 def test_a_drawn_arm_ends_at_its_grasp_and_forces_carry_the_object(dual_ur5, turned):
     cell, motion, given = dual_ur5, turned.motion, turned.motion.object
-    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
-        line = joint_points(robot, motion.q[:, joints])
+    scene = Scene.of(turned.trajectory)
+    for robot, line in zip(cell.robots, scene.lines, strict=True):
         assert line.shape == (motion.samples, len(robot.joints) + 2, 3)
         np.testing.assert_allclose(line[:, 0], np.tile(robot.T_world_base.p, (motion.samples, 1)))
         grasp = given.position + given.rotation @ robot.T_object_tip.p
         np.testing.assert_allclose(line[:, -1], grasp, atol=1e-8)
         lengths = np.linalg.norm(np.diff(line, axis=1), axis=2)
         np.testing.assert_allclose(lengths, np.tile(lengths[0], (motion.samples, 1)), atol=1e-12)
-    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench)[1], axis=1)
+    total = np.sum(scene.contacts[1], axis=1)
     acceleration = turned.trajectory.c2 * given.acceleration[:, :3]
     np.testing.assert_allclose(total, cell.mass * (acceleration - cell.gravity), atol=1e-8)
 
@@ -161,10 +160,11 @@ def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
     case = make(np.random.default_rng([9, arms]), tmp_path, arms)
     cell = case.cell
     motion = mrts.follow_object(cell, case.motion)
-    view = look_at_cell(cell, motion.q, motion.object.position)
+    given, passed = motion.object, np.zeros(motion.samples, dtype=bool)
+    scene = Scene(cell, given.time, motion.q, given.position, given.rotation, passed)
+    view = look_at(scene)
     np.testing.assert_allclose(view.up, -cell.gravity / np.linalg.norm(cell.gravity))
-    lines = [joint_points(robot, motion.q[:, cell.joint_slices[robot.name]]) for robot in cell.robots]
-    points = np.concatenate([line.reshape(-1, 3) for line in lines])
+    points = np.concatenate([line.reshape(-1, 3) for line in scene.lines])
     for aspect in (0.5, 1.7, 3.0):
         seen, away, _ = in_picture(points, view.camera(aspect), aspect)
         assert np.min(away) > 0

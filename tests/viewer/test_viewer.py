@@ -303,7 +303,8 @@ def test_a_saved_result_plays_without_a_compiler(lifted, tmp_path, monkeypatch):
             viewer.step(0.2)
         assert viewer.sample > before
         assert opened.controls["Play"].label == "Pause"
-        assert f"--mrts-cursor: {state.time[viewer.sample] / state.trajectory.duration:.4f}" in viewer.plots.cursor.content
+        share = state.trajectory.time[viewer.sample] / state.trajectory.duration
+        assert f"--mrts-cursor: {share:.4f}" in viewer.plots.cursor.content
 
 
 def test_the_knob_stops_the_motion_on_its_path_and_lets_it_go_on(viewer):

@@ -12,10 +12,10 @@ from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_give
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
+from mrts.collisions.bodies import tip_at_posture
 from mrts.motion.motion_file import sample_motion
 from mrts.plots.plot import Line
 from mrts.scaling.limit_use import used_shares
-from mrts.scene.cell_shapes import joint_points
 from mrts.viewer import workbench
 from mrts.viewer.choices import Choices, Given, Place, moved_by, places
 from mrts.viewer.held_poses import still_motion
@@ -127,12 +127,12 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     assert answer.state is None
     assert "cannot reach" in answer.message
     lost = int(np.flatnonzero(~np.all(found.reached, axis=1))[0])
-    assert 0 < lost < len(found.time) - 1
+    assert 0 < lost < len(found.scene.time) - 1
     scene = found.scene
-    for sample in (0, lost, len(found.time) - 1):
-        for index, (robot, part) in enumerate(zip(scene.cell.robots, scene.cell.joint_slices.values(), strict=True)):
+    for sample in (0, lost, len(found.scene.time) - 1):
+        for index, (robot, line) in enumerate(zip(scene.cell.robots, scene.lines, strict=True)):
             grasp = scene.position[sample] + scene.rotation[sample] @ robot.T_object_tip.p
-            distance = np.linalg.norm(joint_points(robot, scene.q[sample : sample + 1, part])[0, -1] - grasp)
+            distance = np.linalg.norm(line[sample, -1] - grasp)
             assert distance == pytest.approx(found.gap[sample, index], abs=1e-9)
     assert np.max(found.gap[-1]) > 0.05
 
@@ -143,7 +143,7 @@ def test_a_cell_without_a_motion_stands_at_its_posture_and_follows_its_places(pl
     assert held.reached.all()
     np.testing.assert_allclose(held.scene.q[0, :3], robot.posture, atol=1e-6)
     grasp = held.scene.position[0] + held.scene.rotation[0] @ robot.T_object_tip.p
-    np.testing.assert_allclose(grasp, joint_points(robot, robot.posture[None])[0, -1], atol=1e-6)
+    np.testing.assert_allclose(grasp, tip_at_posture(robot).p, atol=1e-6)
     far = RigidTransform(np.eye(3), robot.T_world_base.p - np.array([0.0, 3.0, 0.0]))
     bench.edit(bench.choices.with_pose(Place("base", "left"), far))
     held = answered(bench).shown
