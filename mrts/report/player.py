@@ -68,7 +68,7 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
         (edges, _line_trace("object", "#555", 3, legend=False)),
     ]
     if largest > NO_FORCE:
-        tips = {"color": f"rgb{FORCE}", "size": [0, 6, 0] * len(arms), "symbol": "diamond"}
+        tips = {"color": f"rgb{FORCE}", "size": [0, 10, 0] * len(arms), "symbol": "diamond"}
         trace = _line_trace("force on the object", f"rgb{FORCE}", 5)
         moving.append((arrows, trace | {"mode": "lines+markers", "marker": tips}))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(position)
