@@ -214,7 +214,7 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
     cell_path = cell if _urdfs(cell) else None
     if motion is None:
         from mrts.cell.loading import cell_to_compile
-        from mrts.viewer.held_poses import still_motion
+        from mrts.viewer.player_state import still_motion
 
         alone = cell_to_compile(cell) or options.compiled_cell(cell)
         return Given(cell=alone, motion=still_motion(alone), cell_path=cell_path, stands=True)
@@ -226,8 +226,7 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
 
 def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:
     from mrts.scaling.result import ScalingResult
-    from mrts.viewer.held_poses import HeldPoses
-    from mrts.viewer.player_state import PlayerState
+    from mrts.viewer.player_state import HeldPoses, PlayerState
     from mrts.viewer.server import close_server, open_server
     from mrts.viewer.viewer import Viewer
     from mrts.viewer.workbench import Workbench

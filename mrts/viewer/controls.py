@@ -14,9 +14,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MrtsError
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_change import Changed, limit_names
-from mrts.viewer.choices import Choices, Place, free_axes, moved_by, offset_of, places
+from mrts.viewer.choices import Choices, Place, free_axes, moved_by, offset_of, places, save_choices
 from mrts.viewer.panel import text_html
-from mrts.viewer.saved_choices import save_choices
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.workbench import Workbench
 

@@ -16,8 +16,7 @@ from mrts.override.speed_override import OverrideState
 from mrts.plots.card import Card, Nearness
 from mrts.scene.scene import FORCE, MOMENT
 from mrts.simulation.simulate import Simulation
-from mrts.viewer.held_poses import HeldPoses
-from mrts.viewer.player_state import PlayerState
+from mrts.viewer.player_state import HeldPoses, PlayerState
 
 OVER = "var(--mrts-over)"
 NEARNESS_COLOURS: dict[Nearness, str] = {"free": "#0072B2", "near": "#E69F00", "reached": OVER}

@@ -28,7 +28,7 @@ from mrts.scene.scene import (
     round_down,
     wxyz,
 )
-from mrts.viewer.held_poses import HeldPoses
+from mrts.viewer.player_state import HeldPoses
 
 THICKNESS, HAND = 0.02, 1.7
 """That arrows and the path are drawn by, as a share of the cell's size; and radius of a hand by that."""

@@ -7,7 +7,7 @@ slider never queues up work. Answers are found in the workbench's own thread.
 
 import contextlib
 import time
-from math import floor, log10, sqrt
+from math import sqrt
 from queue import SimpleQueue
 from typing import Any
 
@@ -16,18 +16,14 @@ import viser
 
 from mrts.base.errors import MrtsError
 from mrts.scene.arm_meshes import Urdfs, Warn
-from mrts.scene.scene import PACES, suited_pace
 from mrts.viewer.choices import Choices
 from mrts.viewer.controls import (
-    DECIMALS,
     ChangeControls,
     Later,
     add_save_controls,
     add_view_controls,
-    assign,
     configure_theme,
 )
-from mrts.viewer.held_poses import HeldPoses
 from mrts.viewer.panel import (
     PANEL,
     STYLE,
@@ -42,79 +38,20 @@ from mrts.viewer.panel import (
     text_html,
     verdict_html,
 )
-from mrts.viewer.player_state import PlayerState, Speeds
+from mrts.viewer.playback import Playback, set_slider
+from mrts.viewer.player_state import HeldPoses, PlayerState, Speeds
 from mrts.viewer.scene import ViewerScene
-from mrts.viewer.speed_knob import SpeedKnob
 from mrts.viewer.time_plots import PlotPanel
 from mrts.viewer.workbench import Answer, Workbench
 
 FRAME = 1 / 40
 """Time between looks at the controls [s]: with room for late ones a motion plays at thirty frames a second."""
 
-READING = 0.1
-"""Time between numbers while the motion plays: faster, nobody reads them [s]."""
-
 PATIENCE = 60.0
 """How long a script waits for answers [s]."""
 
-PACE_NAMED = {name: pace for pace, name in PACES.items()}
-
 FIXED = "A saved result is played at the speed it was saved with. To change something, view its cell and motion."
 """Of a panel with nothing to change."""
-
-
-class Playback:
-    """The time of a motion that is played: its slider, Play and the speed override; `add_pace` adds how fast.
-
-    `duration` is that of the motion as it is shown [s].
-    """
-
-    def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
-        self.duration, self.plays, self._toggled = duration, False, False
-        self._share, self._unread, self._shown = start, 0.0, 0.0
-        self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
-        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
-        self._play.on_click(lambda _: later(self.toggle))
-        self.knob = SpeedKnob(gui, later, visible=visible)
-
-    def add_pace(self, gui: viser.GuiApi) -> None:
-        """Add how fast it plays to the container that is open."""
-        suited = PACES[suited_pace(self.duration)]
-        self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited)
-
-    @property
-    def time(self) -> float:
-        """That is to be shown [s]."""
-        return self._share * self.duration
-
-    def toggle(self) -> None:
-        """Play, or stop playing."""
-        self.plays, self._toggled = not self.plays, True
-        self._play.label = "Pause" if self.plays else "Play"
-        self._play.icon = viser.Icon.PLAYER_PAUSE if self.plays else viser.Icon.PLAYER_PLAY
-
-    def follow(self, elapsed: float) -> tuple[bool, bool]:
-        """Take over what was changed since the last call, some time ago [s], and play on.
-
-        Returns:
-            Whether another moment is to be shown, and whether its numbers are to be read too.
-        """
-        changed, self._toggled = self._toggled, False
-        if self._time.value != self._shown:
-            self._shown, changed = self._time.value, True
-            self._share = min(self._shown / self.duration, 1.0)  # which was rounded
-        if self.plays:
-            self._unread += elapsed
-            self._share = self.knob.after(self.time, elapsed * PACE_NAMED[self._pace.value]) / self.duration
-            if self._share > 1:
-                self._share %= 1
-        return changed or self.plays or self._toggled, changed or self._unread >= READING
-
-    def show(self) -> None:
-        """Show the time on the slider, unless a user has just moved it."""
-        self._unread = 0.0
-        digits = max(0, 3 - floor(log10(self.duration)))  # four tell times along the motion apart
-        self._shown = set_slider(self._time, (0.0, round(self.duration, digits)), digits, self.time, self._shown)
 
 
 class Viewer:
@@ -296,28 +233,6 @@ class Viewer:
         if read:
             self.playback.show()
             self._moment_text.content = moment_html(self.state, self.sample)
-
-
-def set_slider(
-    slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float, shown: float
-) -> float:
-    """Give a slider other ends, decimals and another value; what is as it was is not sent again.
-
-    A user who has moved it since `shown` was set or taken over keeps what is under the hand.
-
-    Returns:
-        What is shown now, for the next call.
-    """
-    digits = max(digits, DECIMALS)
-    step = 10.0**-digits
-    if (slider.min, slider.max, slider.step) != (*ends, step):
-        slider.min, slider.max = ends
-        slider.step, slider.precision = step, digits
-    if slider.value != shown:
-        return shown
-    value = min(max(round(value, digits), ends[0]), ends[1])
-    assign(slider, value)
-    return value
 
 
 def set_marks(slider: viser.GuiSliderHandle[float], speeds: Speeds) -> None:

@@ -19,8 +19,7 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.simulation.simulate import Simulation, simulate
 from mrts.viewer.choices import Choices, Given
-from mrts.viewer.held_poses import HeldPoses, held_poses
-from mrts.viewer.player_state import PlayerState, play
+from mrts.viewer.player_state import HeldPoses, PlayerState, held_poses, play
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,7 @@ from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import limit_shares
 from mrts.scene import film
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
-from mrts.scene.film import write_film, write_picture
-from mrts.scene.frames import KIND_COLOURS, Composition
+from mrts.scene.film import KIND_COLOURS, Composition, write_film, write_picture
 from mrts.scene.renderer import Clip, SceneRenderer
 from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, suited_pace
 

@@ -23,8 +23,7 @@ from mrts.plots.plotly_drawer import MOST_SAMPLES
 from mrts.scene.scene import OVER_LIMIT, PACES
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
-from mrts.viewer.held_poses import still_motion
-from mrts.viewer.player_state import PlayerState
+from mrts.viewer.player_state import PlayerState, still_motion
 from mrts.viewer.time_plots import names_html, time_panels, uplot_props
 from mrts.viewer.viewer import FRAME, Viewer
 

@@ -18,8 +18,8 @@ from mrts.plots.plot import Line
 from mrts.scaling.limit_use import used_shares
 from mrts.viewer import workbench
 from mrts.viewer.choices import Choices, Given, Place, moved_by, places
-from mrts.viewer.held_poses import still_motion
 from mrts.viewer.panel import held_html
+from mrts.viewer.player_state import still_motion
 from mrts.viewer.time_plots import time_panels
 from mrts.viewer.workbench import Workbench, find_answer
 

@@ -13,8 +13,7 @@ import mrts
 from mrts.base.edited_yaml import edited_yaml
 from mrts.base.rigid_transform import RigidTransform
 from mrts.motion.motion_file import described_motion
-from mrts.viewer.choices import Choices, Given, Place, moved_by
-from mrts.viewer.saved_choices import motion_text, save_choices
+from mrts.viewer.choices import Choices, Given, Place, motion_text, moved_by, save_choices
 from mrts.viewer.workbench import Workbench
 
 SAME = 1e-9
