@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """c²⁻(t) and c²⁺(t), the range over the motion, which limits bind where, and what uncertain loads do to it."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -166,18 +165,18 @@ def _rows(found: ScalingRange, side: Side) -> tuple[list[tuple[ActiveRow, ...]],
 
 
 def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequence[ActiveRow]) -> list[Lane]:
-    labels = [{row.label for row in of_sample} for of_sample in rows]
-    counts = Counter(sorted(label for of_sample in labels for label in of_sample))
-    setting = [label for label in dict.fromkeys(row.label for row in first) if label in counts]
-    order = setting + [label for label, _ in counts.most_common() if label not in setting]
-    groups = {label: {label} for label in order}
-    if len(order) > MOST_LANES:
-        rest = order[MOST_LANES - 1 :]
-        groups = {label: {label} for label in order[: MOST_LANES - 1]} | {f"{len(rest)} others": set(rest)}
-    return [
-        Lane(kind, label, label in setting, np.array([not group.isdisjoint(of_sample) for of_sample in labels]))
-        for label, group in groups.items()
-    ]
+    binds: dict[str, NDArray[np.bool_]] = {}
+    for sample, of_sample in enumerate(rows):
+        for row in of_sample:
+            binds.setdefault(row.label, np.zeros(len(rows), dtype=bool))[sample] = True
+    place = {label: number for number, label in enumerate(dict.fromkeys(row.label for row in first))}
+    order = sorted(binds, key=lambda label: (place.get(label, len(place)), -np.count_nonzero(binds[label]), label))
+    lanes = [Lane(kind, label, label in place, binds[label]) for label in order]
+    if len(lanes) > MOST_LANES:
+        rest = lanes[MOST_LANES - 1 :]
+        together = np.any([lane.binds for lane in rest], axis=0)
+        lanes[MOST_LANES - 1 :] = [Lane(kind, f"{len(rest)} others", sets=False, binds=together)]
+    return lanes
 
 
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:

@@ -2,7 +2,7 @@
 """Films of played motions side by side, with their limits' use along time and one clock, and pictures of one moment."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -76,7 +76,7 @@ KIND_COLOURS = tuple(COLOURS[place] for place in (2, 3, 6, 4, 5, 0, 1))
 class Composition:
     """Frames of one to four clips, seen from one place and with forces to one scale, drawn when they are asked for.
 
-    `pace` says how fast the film plays, in words. It is closed by the thread that made it.
+    `pace` says how fast the film plays, in words. The thread that made it calls `close`.
 
     Attributes:
         duration: Of the longest [s].
@@ -100,20 +100,12 @@ class Composition:
         camera = view.camera(self._width / self._height)
         strongest = max(scene.strongest[0] for scene in scenes)
         scale = ARROW * view.size / strongest if strongest > 0 else 0.0
-        self._renderers: list[SceneRenderer] = []
-        try:
-            for clip in clips:
-                drawn = SceneRenderer(clip, view, camera, (self._width, self._height), scale, warn)
-                self._renderers.append(drawn)
-        except BaseException:
-            self.close()
-            raise
+        size = self._width, self._height
+        with ExitStack() as opened:
+            made = (SceneRenderer(clip, view, camera, size, scale, warn) for clip in clips)
+            self._renderers = [opened.enter_context(closing(renderer)) for renderer in made]
+            self.close = opened.pop_all().close
         self._draw_surroundings(pace)
-
-    def close(self) -> None:
-        """Free what the renderers hold."""
-        for renderer in self._renderers:
-            renderer.close()
 
     def frame(self, time: float) -> Frame:
         """The clips at a time since the start [s]; one that has ended stands at its end."""

@@ -144,9 +144,7 @@ class SceneRenderer:
                 mesh = part.mesh
                 for start in range(0, len(mesh.faces), MOST_FACES):
                     faces, name = mesh.faces[start : start + MOST_FACES], f"{number}/{place}/{start}"
-                    self._add_mesh(
-                        bodies[part.body], name, mesh.vertices, mesh.vertex_normals, faces, part.colour(deciding)
-                    )
+                    self._add_mesh(bodies[part.body], name, mesh.vertices, faces, part.colour(deciding))
         self._model = self._spec.compile()
         self._data = mujoco.MjData(self._model)
         self._renderer = mujoco.Renderer(self._model, size[1], size[0])
@@ -224,37 +222,20 @@ class SceneRenderer:
         world.add_geom(type=plane, size=(0, 0, 0.1), pos=view.floor, material="floor", quat=wxyz(view.level))
 
     def _add_surface(self, body: Any, name: str, surface: Surface, colour: Rgb, opacity: float = 1.0) -> None:
-        vertices, faces = surface
-        corners = vertices[faces]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-        flat = np.arange(3 * len(corners)).reshape(-1, 3)
-        self._add_mesh(body, name, corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), flat, colour, opacity)
+        corners = surface[0][surface[1]].reshape(-1, 3)  # no face shares a corner, so that each is shaded flat
+        self._add_mesh(body, name, corners, np.arange(len(corners)).reshape(-1, 3), colour, opacity)
 
     def _add_mesh(
-        self,
-        body: Any,
-        name: str,
-        vertices: Array,
-        normals: Array,
-        faces: NDArray[np.integer],
-        colour: Rgb,
-        opacity: float = 1.0,
+        self, body: Any, name: str, vertices: Array, faces: NDArray[np.integer], colour: Rgb, opacity: float = 1.0
     ) -> None:
         corners = np.asarray(vertices)[faces]
         area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
         if len(vertices) < FEWEST_VERTICES or np.sum(area) < LEAST_AREA:
             return
         mesh = self._spec.add_mesh(name=name, inertia=self._mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
-        mesh.uservert, mesh.usernormal = np.ravel(vertices).tolist(), np.ravel(normals).tolist()
-        mesh.userface = mesh.userfacenormal = np.ravel(faces).tolist()
-        body.add_geom(
-            type=self._mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=name,
-            rgba=rgba(colour, opacity),
-            contype=0,
-            conaffinity=0,
-        )
+        mesh.uservert, mesh.userface = np.ravel(vertices).tolist(), np.ravel(faces).tolist()
+        kind = self._mujoco.mjtGeom.mjGEOM_MESH
+        body.add_geom(type=kind, meshname=name, rgba=rgba(colour, opacity), contype=0, conaffinity=0)
 
     def _move(self, name: str, R: Array, p: Array) -> None:
         body = self._model.body(name).mocapid[0]

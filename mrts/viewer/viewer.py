@@ -138,7 +138,7 @@ class Viewer:
             another = another or moves
             if another:
                 self._show_moment(read=read)
-            self._scene.follow_windows()
+            self._scene.fit_new()
             if self.plots is not None:
                 self.plots.step(elapsed)
             if another:
