@@ -221,7 +221,7 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
     from mrts.motion.motion_file import described_motion
 
     limited, played = _read(cell, motion, given)
-    return Given(limited, played, described_motion(motion), cell_path, motion, **given)
+    return Given(limited, played, described_motion(motion), cell_path, motion, given)
 
 
 def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:

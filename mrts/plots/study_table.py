@@ -48,9 +48,6 @@ READ = ("variant", "status", "reason", "upper_limit", "c2_upper", "duration")
 BEST_PART = 0.05
 """Share of the variants with a duration that counts as the best."""
 
-OUTERMOST = 0.02
-"""Share of a number's range, at either end, in which a value counts as at the end."""
-
 SHARES = (50, 90, 95, 99)
 """Of the variants, of which the duration is told within which they finish [%]."""
 
@@ -245,39 +242,6 @@ def managed_texts(table: StudyTable) -> list[str]:
 def best_part(table: StudyTable) -> Index:
     """Rows of the best variants, at least one where there is any."""
     return table.ranked[: int(np.ceil(BEST_PART * len(table.ranked)))]
-
-
-def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]:
-    """The best variants as a table, a row each below what was tried.
-
-    Returns:
-        Titles of the columns, and the rows.
-    """
-    best = table.ranked[:most]
-    head = ["variant", "duration [s]", "c²⁺ [1]", *(knob.title for knob in table.knobs), "limited by"]
-    tried = [table.duration[table.ranked], table.c2[table.ranked], *table.values.T]
-    rows = [["from … to", *map(_span, tried), ""]]
-    low, high = (end(table.values, axis=0) for end in (np.min, np.max))
-    chosen = np.array([not knob.by_chance for knob in table.knobs]) & (high > low)
-    near = np.minimum(table.values - low, high - table.values) <= OUTERMOST * (high - low)
-    for row in best.tolist():
-        at_end = (chosen & near[row]).tolist()
-        values = [f"{value:.4g}{' (end)' * end}" for value, end in zip(table.values[row].tolist(), at_end, strict=True)]
-        c2 = f"{table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else ""
-        number = str(table.rows["variant"].iloc[row])
-        rows.append([number, f"{table.duration[row]:.4g}", c2, *values, first_names(table.limits(row), MOST_NAMES)])
-    return head, rows
-
-
-def span_texts(low: float, high: float) -> tuple[str, str]:
-    """The ends of a span to a thousandth of it: what is next to 0 beside the other end is 0."""
-    digits = 3 - int(np.floor(np.log10(high - low))) if high > low else 12
-    return f"{round(low, digits) + 0.0:.4g}", f"{round(high, digits) + 0.0:.4g}"
-
-
-def _span(values: Array) -> str:
-    values = values[np.isfinite(values)]
-    return " … ".join(span_texts(float(np.min(values)), float(np.max(values)))) if len(values) else ""
 
 
 def percent(count: int, of: int) -> str:

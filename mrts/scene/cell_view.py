@@ -19,9 +19,6 @@ ELEVATION, AZIMUTH = np.deg2rad(15.0), np.deg2rad(25.0)
 MARGIN = 1.15
 """How much farther away a camera stands than it must."""
 
-HALVINGS = 30
-"""Steps to the middle of what is seen, to a billionth of it."""
-
 
 @dataclass(frozen=True)
 class Camera:
@@ -74,14 +71,7 @@ class CellView:
         across = np.stack([x, y])
         # all are between the edges where slope (distance + forward) >= ± (across - middle)
         high, low = (np.max(sign * across - slopes[:, None] * forward, axis=1) for sign in (1, -1))
-        distance = MARGIN * float(np.max((high + low) / 2 / slopes))
-        least, most = np.min(across, axis=1), np.max(across, axis=1)
-        for _ in range(HALVINGS):  # to equal room on both sides in the picture
-            middle = (least + most) / 2
-            seen = (across - middle[:, None]) / (distance + forward)
-            is_right = np.max(seen, axis=1) + np.min(seen, axis=1) > 0
-            least, most = np.where(is_right, middle, least), np.where(is_right, most, middle)
-        middle = (least + most) / 2
+        distance, middle = MARGIN * float(np.max((high + low) / 2 / slopes)), (high - low) / 2
         depth = (np.min(forward) + np.max(forward)) / 2
         return Camera(np.array([*middle, -distance]) @ axes, axes, np.array([*middle, depth]) @ axes)
 

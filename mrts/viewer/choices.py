@@ -26,11 +26,9 @@ from mrts.cell.cell_change import CellChange, Changed, machine_of, with_machine_
 from mrts.cell.cell_keys import cell_keys, pose_keys
 from mrts.cell.generation import cell_model, described_model
 from mrts.cell.loading import uncompiled_cell
-from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.program.load_sharing import LoadSharing
 from mrts.viewer.player_state import Profile
 
 TORQUE_RATE = 11.0
@@ -64,7 +62,7 @@ class Given:
         description: Of a motion from pose to pose or through waypoints, whose ends can be moved; None of a table.
         cell_path: File that the cell is from; None where there is none that can be written anew.
         motion_path: File that the motion is from; likewise.
-        sharing, closure: As in `mrts.scale`.
+        asked: Options of `mrts.scale`.
         stands: Whether no motion was given: the cell is looked at, with `still_motion`.
     """
 
@@ -73,8 +71,7 @@ class Given:
     description: MotionDescription | None = None
     cell_path: Path | None = None
     motion_path: Path | None = None
-    sharing: LoadSharing | None = None
-    closure: ClosureBound | None = None
+    asked: Mapping[str, Any] = field(default_factory=dict)
     stands: bool = False
 
 

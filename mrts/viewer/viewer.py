@@ -47,9 +47,6 @@ from mrts.viewer.workbench import Answer, Workbench
 FRAME = 1 / 40
 """Time between looks at the controls [s]: with room for late ones a motion plays at thirty frames a second."""
 
-PATIENCE = 60.0
-"""How long a script waits for answers [s]."""
-
 FIXED = "A saved result is played at the speed it was saved with. To change something, view its cell and motion."
 """Of a panel with nothing to change."""
 
@@ -146,15 +143,6 @@ class Viewer:
         except MrtsError as error:
             self._error = text_html("error", str(error))
         self._show_verdict()
-
-    def settle(self, patience: float = PATIENCE) -> None:
-        """Step until every question is answered and shown, as scripts want it."""
-        end = time.monotonic() + patience
-        self.step(FRAME)
-        while self.bench is not None and self.bench.waits and time.monotonic() < end:
-            time.sleep(FRAME / 3)
-            self.step(FRAME)
-        self.step(0.0)
 
     def close(self) -> None:
         """Let the workbench answer nothing more; the server stays."""

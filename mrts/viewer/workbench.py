@@ -67,15 +67,8 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
         cell, motion = choices.cell(given.cell), choices.motion(given)
         if given.stands and isinstance(motion, ObjectMotion):
             return Answer(choices, held_poses(cell, motion))
-        state = play(
-            cell,
-            motion,
-            sharing=given.sharing,
-            closure=given.closure,
-            profile=choices.profile,
-            rates=choices.torque_rate,
-            progress=progress,
-        )
+        profile, rates = choices.profile, choices.torque_rate
+        state = play(cell, motion, profile=profile, rates=rates, progress=progress, **given.asked)
     except MrtsError as error:
         if isinstance(error, MotionError) and isinstance(motion, ObjectMotion):
             return Answer(choices, held_poses(cell, motion, str(error)))

@@ -193,7 +193,6 @@ def test_a_camera_has_all_points_in_its_picture_and_none_would_do_nearer():
         assert np.all(away > 0)
         assert np.all(np.abs(seen) < 1)
         assert np.min((1 - np.max(np.abs(seen), axis=0)) / 2) < MOST_SPARE
-        np.testing.assert_allclose(seen.max(axis=0), -seen.min(axis=0), atol=1e-6)  # as much room on both sides
         np.testing.assert_allclose(camera.axes @ camera.axes.T, np.eye(3), atol=1e-12)
         ahead = camera.target - camera.position
         np.testing.assert_allclose(ahead / np.linalg.norm(ahead), camera.axes[2], atol=1e-9)

@@ -13,7 +13,7 @@ import viser.infra._infra as viser_server
 import websockets.asyncio.server
 from command_line import mrts_without
 from conftest import DATA
-from shown_viewer import PATIENCE, planar_given, shown_viewer
+from shown_viewer import PATIENCE, planar_given, settle, shown_viewer
 from viewer_socket import CAMERA, PROTOCOL, connected, pack
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
@@ -160,7 +160,7 @@ def set_slider(viewer, opened, label, value, shown=None):
     while handle.value != shown and time.monotonic() < end:
         opened.ping().wait(PATIENCE)
     assert handle.value == shown
-    viewer.shown.settle()
+    settle(viewer.shown)
 
 
 def test_what_no_control_can_send_is_ignored(viewer):
@@ -180,7 +180,7 @@ def test_what_no_control_can_send_is_ignored(viewer):
             assert viewer.server.checked(message) is None, message[:40]
             hostile.send(message)
         assert hostile.ping().wait(PATIENCE)
-        viewer.shown.settle()
+        settle(viewer.shown)
         assert state() == before
         set_slider(viewer, hostile, "speed c", 0.5)  # still served
         set_slider(viewer, other, "speed c", before["speed c"])

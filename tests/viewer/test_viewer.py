@@ -11,7 +11,7 @@ import viser
 from conftest import DATA, UR5
 from scipy.spatial.transform import Rotation
 from shipped_cells import shipped
-from shown_viewer import PATIENCE, cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
+from shown_viewer import PATIENCE, cell_of_real_arms, news_of, planar_given, settle, shown_viewer, spatial_given
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
@@ -52,7 +52,7 @@ def choose(viewer, **values):
     """Set controls, and wait for the answer."""
     for label, value in values.items():
         assign(viewer.controls[label.replace("_", " ")], value)
-    viewer.shown.settle()
+    settle(viewer.shown)
 
 
 def drawn(viewer, name):
@@ -110,7 +110,7 @@ def test_a_hand_on_the_slider_is_not_pushed_back(viewer, monkeypatch):
         viewer.shown.step(0.0)
     assert viewer.shown.state.trajectory.c == pytest.approx(0.5)
     assert slider.value == 0.7
-    viewer.shown.settle()
+    settle(viewer.shown)
     assert slider.value == 0.7
     assert viewer.shown.state.trajectory.c == pytest.approx(0.7)
 
@@ -120,7 +120,7 @@ def test_what_was_changed_just_before_a_button_is_older_than_it(viewer):
     shown, profile = viewer.shown, viewer.controls["profile"]
     assign(profile, "optimal")
     shown._todo.put(shown._changes._reset)  # noqa: SLF001 (as its button does)
-    shown.settle()
+    settle(shown)
     assert (viewer.bench.choices.profile, profile.value) == ("constant", "constant")
 
 
@@ -131,21 +131,21 @@ def test_an_answer_is_outdated_as_soon_as_a_control_changes(viewer):
         content = shown._verdict.content  # noqa: SLF001 (what the page shows)
         return 'data-text="computing"' in content, 'data-text="error"' in content, "--mrts-answer" in content
 
-    shown.settle()
+    settle(shown)
     assert verdict() == (False, False, False)
     for label, value in (("mass [kg]", 1.0), ("speed c", 0.5)):
         assign(viewer.controls[label], value)
         shown.step(0.0)
         assert verdict() == (True, False, True), label
-        shown.settle()
+        settle(shown)
         assert verdict() == (False, False, False), label
     bench.edit(replace(bench.choices, mass=-1.0))
-    shown.settle()
+    settle(shown)
     assert verdict() == (False, True, True)  # the last answer stays, of the values before
     bench.edit(replace(bench.choices, mass=None))
     shown.step(0.0)
     assert verdict() == (True, False, True)
-    shown.settle()
+    settle(shown)
     assert verdict() == (False, False, False)
 
 
@@ -164,7 +164,7 @@ def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatc
         base = planar_cell.robots[0].T_world_base
         far = RigidTransform(base.R, base.p - np.array([0.0, 3.0, 0.0]))
         viewer.bench.edit(viewer.bench.choices.with_pose(Place("base", "left"), far))
-        viewer.shown.settle()
+        settle(viewer.shown)
         ((tip, grasp),) = drawn(viewer, "/gaps").points
         held = viewer.bench.answer.shown
         assert np.linalg.norm(grasp - tip) == pytest.approx(held.gap[0, 0], rel=1e-5)
@@ -184,7 +184,7 @@ def test_surroundings_and_the_nearest_pair_are_drawn(dual_ur5, monkeypatch):
         cell = mrts.Cell.from_description(shipped("dual_ur5") | {"surroundings": surroundings}, folder=UR5)
         near = mrts.clearance(cell, given.motion)
         with shown_viewer(replace(given, cell=cell)) as viewer:
-            viewer.shown.settle()
+            settle(viewer.shown)
             choose(viewer, speed_c=0.5)
             for number, one in enumerate(surroundings):
                 middle = np.mean(drawn(viewer, f"/surroundings/{number}").vertices, axis=0)
@@ -199,7 +199,7 @@ def test_surroundings_and_the_nearest_pair_are_drawn(dual_ur5, monkeypatch):
             assert ('data-text="collisions" style="color:var(--mrts-over)"' in text) == red
     monkeypatch.setitem(sys.modules, "coal", None)
     with shown_viewer(given) as viewer:
-        viewer.shown.settle()
+        settle(viewer.shown)
         assert not drawn(viewer, "/nearest").visible
         assert "mrts[collision]" in viewer.shown._outcome  # noqa: SLF001 (likewise)
 

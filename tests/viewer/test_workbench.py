@@ -81,7 +81,7 @@ def test_each_change_has_the_answer_of_the_changed_cell(spatial):
     assert answered(bench).state.trajectory.duration == pytest.approx(mrts.retime(cell, motion).duration, rel=SAME)
     shares = mrts.LoadSharing(np.array([0.7, 0.3]))
     fixed = mrts.scale(cell.with_mass(9.0), motion, sharing=shares)
-    answer = changed(replace(spatial, sharing=shares), Choices(mass=9.0))
+    answer = changed(replace(spatial, asked={"sharing": shares}), Choices(mass=9.0))
     assert upper(answer) == pytest.approx(fixed.range.upper.c2, rel=SAME)
 
 

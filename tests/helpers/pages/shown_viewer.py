@@ -13,7 +13,7 @@ import mrts
 from mrts.motion.motion_file import described_motion
 from mrts.viewer.choices import Given
 from mrts.viewer.server import close_server, open_server
-from mrts.viewer.viewer import Viewer
+from mrts.viewer.viewer import FRAME, Viewer
 from mrts.viewer.workbench import Workbench
 
 PATIENCE = 60.0
@@ -32,6 +32,16 @@ def shown_viewer(bench, *, urdfs=None, warn=pytest.fail):
         shown.close()
     finally:
         close_server(server)
+
+
+def settle(shown):
+    """Step until every question is answered and shown."""
+    end = time.monotonic() + PATIENCE
+    shown.step(FRAME)
+    while shown.bench is not None and shown.bench.waits and time.monotonic() < end:
+        time.sleep(FRAME / 3)
+        shown.step(FRAME)
+    shown.step(0.0)
 
 
 def spatial_given(cell):
