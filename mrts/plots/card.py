@@ -86,25 +86,23 @@ class Card:
 
 def answer_card(result: "ScalingResult | RetimingResult") -> Card:
     """What the user asked: how much faster, how long, limited by what; or why not."""
-    shown = result if isinstance(result, ScalingResult) else result.retimed
+    timing, shown = (None, result) if isinstance(result, ScalingResult) else (result, result.retimed)
     if shown is None or shown.trajectory is None:
         return Card(_refusal(result), ())
     if not shown.status.admits_motion:
         return Card(_refusal(result), _nearest(shown, None))
-    given, done = float(result.motion.object.time[-1]), shown.trajectory
+    given, done, end = float(result.motion.object.time[-1]), shown.trajectory, shown.range.upper
     parts = [f"{given / done.duration:.3g} × as fast", f"{done.duration:.4g} s (given {given:.4g} s)"]
-    if not isinstance(result, ScalingResult) and result.untimed:
-        parts = [f"{done.duration:.4g} s"]
-    if not isinstance(result, ScalingResult):
-        before = "before it made room " if result.made_room else ""
-        parts += [f"{before}limited by {name}, {100 * share:.0f} % of the time" for name, share in result.limits[:1]]
-    elif not result.origin and result.range.upper is not None and result.range.upper.time is not None:
-        end = result.range.upper
-        if any(side == "upper" for side, _ in result.range.ends_at(done.c2, AT_END)):
+    if timing is not None:
+        parts = [f"{done.duration:.4g} s"] if timing.untimed else parts
+        before = "before it made room " if timing.made_room else ""
+        parts += [f"{before}limited by {name}, {100 * share:.0f} % of the time" for name, share in timing.limits[:1]]
+    elif not shown.origin and end is not None and end.time is not None:
+        if any(side == "upper" for side, _ in shown.range.ends_at(done.c2, AT_END)):
             parts.append(_limited(end, done.c2))
         else:
             parts.append(f"up to {sqrt(end.c2):.3g} × as fast, {_limited(end, end.c2)}")
-    return Card(" · ".join(parts), _nearest(shown, None if isinstance(result, ScalingResult) else result))
+    return Card(" · ".join(parts), _nearest(shown, timing))
 
 
 def _limited(end: RangeEnd, c2: float) -> str:

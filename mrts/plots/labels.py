@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from mrts.base.printable import cut, printable
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, row_labels
-from mrts.scaling.range import RangeEnd, ScalingRange
+from mrts.scaling.range import ScalingRange
 
 LONGEST_LABEL = 44
 """Letters of a label."""
@@ -62,10 +62,5 @@ def range_facts(found: ScalingRange) -> list[str]:
         facts.append(f"worst conflict at t = {worst.time:.4g} s{load}: {row_labels(worst.rows)}")
     for name, end in (("c²⁺", found.upper), ("c²⁻", found.lower)):
         if end is not None and end.time is not None and (name == "c²⁺" or end.c2 > 0):
-            facts.append(f"{name} = {end.c2:.4g} is {_set_by(end)}")
+            facts.append(f"{name} = {end.c2:.4g} is set {end.place()}")
     return facts
-
-
-def _set_by(end: RangeEnd) -> str:
-    load = f" with {end.load}" if end.load is not None else ""
-    return f"set at t = {end.time:.4g} s{load} by {row_labels(end.rows)}"

@@ -88,17 +88,15 @@ def offered_speeds(found: ScalingRange) -> Speeds:
     """Speeds to slightly beyond both ends of a range of c²; without an admissible one c = 1 is the first choice."""
     both = [end.c2 for end in (found.lower, found.upper) if end is not None]
     ends = {name: c2 for name, c2 in zip(("c⁻", "c⁺"), both, strict=False) if isfinite(c2) and c2 > 0}
-    of_ends = [sqrt(c2) for c2 in ends.values()]
-    least = both[0] if both and not found.samples.several else 0.0
-    moves = found.status.admits_motion and both[1] > 0
+    of_ends, moves = [sqrt(c2) for c2 in ends.values()], found.status.admits_motion and both[1] > 0
+    start, most = 1.0, FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
     if moves and isfinite(both[1]):
-        start = upper = sqrt(both[1])
-        upper *= BEYOND
-    else:
-        start = max(1.0, sqrt(both[0])) if moves else 1.0
-        upper = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
-        upper = max([upper, *(BEYOND * c for c in of_ends)])
-    lower = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * upper
+        start, most = sqrt(both[1]), 0.0
+    elif moves:
+        start = max(1.0, sqrt(both[0]))
+    upper = max([most, *(BEYOND * c for c in of_ends)])
+    stands = not both or both[0] <= 0 or found.samples.several
+    lower = SLOWEST * upper if stands else min([start, *of_ends]) / BEYOND
     power = floor(log10((upper - lower) / STEPS))
     step = 10.0**power
     lower, upper = (round(count * step, -power) for count in (max(floor(lower / step), 1), ceil(upper / step)))

@@ -30,8 +30,8 @@ from mrts.scene.scene import (
 )
 from mrts.viewer.player_state import HeldPoses
 
-THICKNESS, HAND = 0.02, 1.7
-"""That arrows and the path are drawn by, as a share of the cell's size; and radius of a hand by that."""
+ARROW_RADIUS, HAND = 0.008, 0.034
+"""Of the shaft of an arrow, and radius of a hand, as a share of the cell's size."""
 
 ARROW = 0.5
 """Longest arrow at the first choice of speed, as a share of the cell's size."""
@@ -39,14 +39,8 @@ ARROW = 0.5
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
 
-OUTLINE_WIDTH = 1.5
-"""Of the object's edges at the start and at the end of its path [pixels]."""
-
-NEAREST_WIDTH = 5.0
-"""Of the line between the two nearest bodies [pixels]."""
-
-LINE = 0.25
-"""Radius of the object's path, as a share of an arm's; it is drawn as arrows without heads."""
+OUTLINE_WIDTH, PATH_WIDTH, NEAREST_WIDTH = 1.5, 3.0, 5.0
+"""Of the object's edges at start and goal, of its path, and of the line between the two nearest bodies [pixels]."""
 
 OPACITY = 0.9
 """Of the object."""
@@ -71,36 +65,25 @@ class ViewerScene:
         self._look()
         self._scene.configure_default_lights(enabled=True, cast_shadow=False)  # shadows cost most of the frames
         self._draw_surroundings()
-        radius = THICKNESS * self.size
         self._draw_cell(cell, urdfs, warn)
         self._body_key = b""
-        self._names = [
-            self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
-        ]
-        thin = 0.4 * radius
-        self._forces, self._moments = (
-            self._scene.add_arrows(
-                name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin
-            )
-            for name, colour in (("/carried/forces", FORCE), ("/carried/moments", MOMENT))
+        scene, thin = self._scene, ARROW_RADIUS * self.size
+        self._forces, self._moments, self._gaps = (
+            scene.add_arrows(name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin)
+            for name, colour in (("/carried/forces", FORCE), ("/carried/moments", MOMENT), ("/gaps", OVER_LIMIT))
         )
-        self._gaps = self._scene.add_arrows(
-            "/gaps", NO_LINES, OVER_LIMIT, shaft_radius=thin, head_radius=2.2 * thin, head_length=3 * thin
+        self._path, self._nearest = (
+            scene.add_line_segments(name, np.zeros((1, 2, 3)), PATH, thickness=width, thickness_units="screen")
+            for name, width in (("/path", PATH_WIDTH), ("/nearest", NEAREST_WIDTH))
         )
-        self._path = self._scene.add_arrows(
-            "/path", NO_LINES, PATH, shaft_radius=LINE * radius, head_radius=LINE * radius, head_length=LINE * radius
+        self._names, self._gap_names = (
+            [scene.add_label(f"/{kind}/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots]
+            for kind in ("names", "gap_names")
         )
-        self._gap_names = [
-            self._scene.add_label(f"/gap_names/{robot.name}", "", visible=False, anchor="bottom-center")
-            for robot in cell.robots
-        ]
-        self._nearest = self._scene.add_line_segments(
-            "/nearest", np.zeros((1, 2, 3)), PATH, thickness=NEAREST_WIDTH, thickness_units="screen", visible=False
-        )
-        self._nearest_name = self._scene.add_label("/nearest_name", "", visible=False, anchor="bottom-center")
+        self._nearest_name = scene.add_label("/nearest_name", "", anchor="bottom-center")
         self._end_names = [
-            self._scene.add_label("/start_name", "start", anchor="top-left"),
-            self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
+            scene.add_label("/start_name", "start", anchor="top-left"),
+            scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
         self._fitted: set[int] = set()
         self.show(shown)
@@ -126,8 +109,8 @@ class ViewerScene:
             label.position, label.visible = course.position[at], moves
         steps = np.stack([course.position[:-1], course.position[1:]], axis=1).astype(np.float32)
         passed = course.passed[:-1] | course.passed[1:]
-        colours = np.where(passed[:, None], np.array(OVER_LIMIT), np.array(PATH)).astype(np.uint8)
-        self._path.points, self._path.colors = steps, colours
+        colours = np.where(passed[:, None, None], np.array(OVER_LIMIT), np.array(PATH)).astype(np.uint8)
+        self._path.points, self._path.colors = steps, np.repeat(colours, 2, axis=1)
 
     def mark(self, deciding: LimitBar | None) -> None:
         """Let the joint or the hand stand out whose limit decides how fast the motion may be played, or none."""
@@ -199,7 +182,7 @@ class ViewerScene:
                 mesh, at = part.mesh, f"{names[part.body]}/mesh{number}"
                 drawn = scene.add_mesh_simple(at, mesh.vertices, mesh.faces, color=part.own, flat_shading=False)
                 self._parts.append((robot, part, drawn))
-            hand, radius = f"{names[-1]}/hand", HAND * THICKNESS * self.size
+            hand, radius = f"{names[-1]}/hand", HAND * self.size
             scene.add_icosphere(hand, radius, arm_colour(index), position=robot.T_base_tip.p)
         for number, one in enumerate(cell.surroundings):
             vertices, faces = shape_surface(one)
