@@ -12,7 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance
 from mrts.plots.card import LimitBar
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms, name_place
-from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
+from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at
 from mrts.scene.held_body import held_body, outlines, shape_surface
 from mrts.scene.scene import (
     FORCE,
@@ -46,6 +46,13 @@ OPACITY = 0.9
 """Of the object."""
 
 NO_LINES = np.zeros((0, 2, 3), dtype=np.float32)
+
+
+ASPECT_CHANGE = 0.03
+"""By which share a picture's aspect changes before the view is fitted to it again."""
+
+MOVED_AWAY = 0.02
+"""How far a camera is from where it was put, as a share of its distance, once somebody moved it."""
 
 
 class ViewerScene:
@@ -85,7 +92,7 @@ class ViewerScene:
             scene.add_label("/start_name", "start", anchor="top-left"),
             scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
-        self._fitted: set[int] = set()
+        self._fitted: dict[int, tuple[float, Camera]] = {}
         self.show(shown)
 
     def show(self, course: Scene, *, anew: bool = True) -> None:
@@ -154,18 +161,26 @@ class ViewerScene:
     def fit(self, client: viser.ClientHandle) -> None:
         """Let a browser look at the whole cell, whatever the shape of its picture."""
         camera, found = client.camera, self._view.camera(client.camera.aspect)
+        self._fitted[client.client_id] = (camera.aspect, found)
         with warnings.catch_warnings(), client.atomic():
             warnings.simplefilter("ignore", UserWarning)  # a browser may close meanwhile, and viser says so
             camera.up_direction = self._view.up
             camera.position = found.position  # which takes the point looked at along
             camera.look_at = found.target
 
-    def fit_new(self) -> None:
-        """Let browsers that are new look at the whole cell."""
+    def follow_windows(self) -> None:
+        """Fit the view of browsers that are new, or whose window changed its shape, unless somebody moved it."""
         clients = self._server.get_clients()
-        for client_id in clients.keys() - self._fitted:
-            self.fit(clients[client_id])
-        self._fitted = set(clients)
+        for client_id, client in clients.items():
+            if client_id not in self._fitted:
+                self.fit(client)
+                continue
+            aspect, put = self._fitted[client_id]
+            away = np.linalg.norm(client.camera.position - put.position)
+            moved = away > MOVED_AWAY * np.linalg.norm(put.position - put.target)
+            if not moved and abs(client.camera.aspect / aspect - 1) > ASPECT_CHANGE:
+                self.fit(client)
+        self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
 
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size

@@ -135,7 +135,7 @@ class Viewer:
             another = another or moves
             if another:
                 self._show_moment(read=read)
-            self._scene.fit_new()
+            self._scene.follow_windows()
             if self.plots is not None:
                 self.plots.step(elapsed)
             if another:
