@@ -51,9 +51,9 @@ def run(result: Path, output: Path, cell: Path | None = None, rates: "Rates | No
 
 def _report_study(folder: Path, output: Path) -> int:
     from mrts.plots.study_table import outcome_text, read_study_table
-    from mrts.report import write_study_report
+    from mrts.report import write_report
 
     found = read_study_table(folder)
-    write_study_report(found, output)
+    write_report(found, output)
     say(f"{found.name}: {outcome_text(found)}; the report is {output}")
     return FEASIBLE if found.admitted.any() else INFEASIBLE

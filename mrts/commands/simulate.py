@@ -78,9 +78,9 @@ def run(
 
         outputs.write(plot, lambda folder: write_plots([simulation_plot(found)], folder, plot_format))
     if report is not None:
-        from mrts.report import write_simulation_report
+        from mrts.report import write_report
 
-        outputs.write(report, lambda file: write_simulation_report(found, file))
+        outputs.write(report, lambda file: write_report(found, file))
     return outputs.answer(found.lines(every=verbose), FEASIBLE if found.kept else INFEASIBLE)
 
 

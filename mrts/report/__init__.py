@@ -4,7 +4,6 @@
 May import base to output. Start at `page.py`.
 """
 
-from mrts.report.page import report_html, write_report, write_simulation_report
-from mrts.report.study_page import study_html, write_study_report
+from mrts.report.page import report_html, write_report
 
-__all__ = ["report_html", "study_html", "write_report", "write_simulation_report", "write_study_report"]
+__all__ = ["report_html", "write_report"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page of a result."""
+"""The page of a result, of a plan in closed loop, or of a study."""
 
 from pathlib import Path
 from types import NoneType
@@ -11,37 +11,47 @@ from mrts.plots import phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import all_shares, setting_rows
 from mrts.plots.plan_plots import simulation_plot, stops_plot
+from mrts.plots.study_table import StudyTable
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
+from mrts.report.study_page import study_html
 from mrts.scaling.result import ScalingResult, fallbacks_text
 from mrts.scene.scene import PACES
 from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
 
 
-def write_report(result: ScalingResult | RetimingResult, path: Path | str, stops: Stops | None = None) -> None:
-    """Write the report of a result: one HTML file that opens offline.
+def write_report(
+    result: ScalingResult | RetimingResult | Simulation | StudyTable, path: Path | str, stops: Stops | None = None
+) -> None:
+    """Write a report: one HTML file that opens offline.
 
     Args:
-        result: Any result, feasible or not; of `mrts.retime`, the report begins with its timing.
+        result: Any result, feasible or not; one of `mrts.retime` begins with its timing. Or what `mrts.simulate`
+            found, or a study, as `mrts.plots.read_study_table` reads it.
         path: The file.
-        stops: What stops take, from `SpeedOverride.stops`, where it is to be drawn too.
+        stops: What stops take, from `SpeedOverride.stops`, where it is to be drawn with a result.
 
     Raises:
         InputError: If plotly or Jinja is not installed, or the file cannot be written.
     """
-    check_type("result", result, ScalingResult, RetimingResult)
+    check_type("result", result, ScalingResult, RetimingResult, Simulation, StudyTable)
     check_type("stops", stops, Stops, NoneType)
     write_text_atomically(as_path("path", path), report_html(result, stops))
 
 
-def report_html(result: ScalingResult | RetimingResult, stops: Stops | None = None) -> str:
-    """The report of any result as text; the same result gives the same text.
+def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable, stops: Stops | None = None) -> str:
+    """A report as text; the same result gives the same text.
 
     Raises:
         InputError: If plotly or Jinja is not installed.
     """
+    if isinstance(result, StudyTable):
+        return study_html(result)
+    if isinstance(result, Simulation):
+        title = f"{result.plan.cell.name}: in closed loop"
+        return document("simulation.html", title, {}, found=result, plot=simulation_plot(result))
     timing = result if isinstance(result, RetimingResult) else None
     shown = result if isinstance(result, ScalingResult) else result.retimed or result.constant
     scene = player(shown, None if timing is None or timing.retimed is None else phase_plane.played_way(timing))
@@ -69,14 +79,6 @@ def report_html(result: ScalingResult | RetimingResult, stops: Stops | None = No
         stops=stops,
         stops_plot=stops_plot,
     )
-
-
-def write_simulation_report(found: Simulation, path: Path | str) -> None:
-    """Write the report of a plan in closed loop; arguments and errors as of `write_report`."""
-    check_type("found", found, Simulation)
-    title = f"{found.plan.cell.name}: in closed loop"
-    text = document("simulation.html", title, {}, found=found, plot=simulation_plot(found))
-    write_text_atomically(as_path("path", path), text)
 
 
 def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]:

@@ -1,18 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The page of a study: what was varied, what became of the variants, the best, and what matters."""
 
-from pathlib import Path
-
 import numpy as np
 
-from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
 from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
 from mrts.plots import study_table as words
 from mrts.plots.study_plots import durations_plot, map_remark, study_map, study_map_plot, weights
-from mrts.plots.study_table import OUTCOMES, StudyTable, best_part, percent, read_study_table
+from mrts.plots.study_table import OUTCOMES, StudyTable, best_part, percent
 from mrts.report.document import document
 from mrts.report.tables import Entry, Styled, Table, bar, more
 
@@ -27,27 +23,8 @@ MOST_LIMITS = 15
 """Rows of the tables of reasons and limits; the rest is counted."""
 
 
-def write_study_report(study: StudyTable | Path | str, path: Path | str) -> None:
-    """Write the report of what a sweep has found so far: one HTML file that opens offline.
-
-    Args:
-        study: The table, or the folder of the study, as `mrts sweep -o` wrote it.
-        path: The file.
-
-    Raises:
-        InputError: If there is no study, none of its variants is solved, plotly is not installed, or the file cannot
-            be written.
-    """
-    found = study if isinstance(study, StudyTable) else read_study_table(as_path("study", study))
-    write_text_atomically(as_path("path", path), study_html(found))
-
-
 def study_html(found: StudyTable) -> str:
-    """The report of a study as text; the same study gives the same text.
-
-    Raises:
-        InputError: If plotly is not installed.
-    """
+    """The report of what a sweep has found so far as text."""
     return document(
         "study.html",
         f"{found.name}: {found.variants} variants",

@@ -8,14 +8,14 @@ from report_pages import own_text
 
 import mrts
 from mrts.cli import main
-from mrts.report import study_html
+from mrts.report import report_html
 
 KINDS = kinds()
 
 
 def test_names_stay_text_and_the_page_loads_nothing():
-    text = own_text(study_html(KINDS["many numbers"]))
-    plain = own_text(study_html(KINDS["grid"]))
+    text = own_text(report_html(KINDS["many numbers"]))
+    plain = own_text(report_html(KINDS["grid"]))
     assert not re.search(r"https?://|//[a-z]|\b(src|href)=.(?!#)|@import|url\(", plain)
     assert AWKWARD not in text
     assert "&lt;img src=x onerror=window.broken=1&gt;" in text
