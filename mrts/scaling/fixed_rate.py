@@ -10,8 +10,8 @@ from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
 from mrts.motion.joint_table import joint_contradictions
-from mrts.scaling.result import ScalingResult
-from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
+from mrts.scaling.result import END_TOLERANCE, ScalingResult
+from mrts.scaling.scale import SelectionError, admissible_range, with_torques
 
 MOST_ROWS = 1_000_000
 """Of a plan: as many as a table may have that is read."""
@@ -37,24 +37,21 @@ def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
     steps, refused = int(np.ceil(done.duration * rate * (1 - WHOLE))), MrtsError("")
     for _ in range(ATTEMPTS):
         motion = _sampled(result, steps, float(rate))
+        found, _, refined = admissible_range(done.cell, motion, options)
+        ends, c2 = found.range, found.range.admitted(1.0, END_TOLERANCE)
+        if c2 is None:
+            refused = SelectionError(f"at {rate:g} Hz: {found.sentence()}", found)
+            least, most = (0.0 if end is None else end.c2 for end in (ends.lower, ends.upper))
+            slower = int(np.ceil(steps / np.sqrt(most))) if most > 0 else 0
+            steps = int(steps / np.sqrt(least)) if least > 1 else max(steps + 1, slower)
+            continue
+        own_range = ends if found.motion is motion else None
+        excess = None if refined is None else refined.excess(c2)
+        own = replace(options, rates=result.options.rates)  # a plan has its own rows alone, whatever was looked at
         try:
-            found, rows = chosen_factor(done.cell, motion, options)
-            excess = found.excess
-            if found.motion.samples > motion.samples:  # those between were looked at: a plan has its own rows alone
-                found, rows = chosen_factor(done.cell, motion, replace(options, between=None))
-            if found.c2 is None:
-                raise SelectionError(f"at {rate:g} Hz: {found.sentence()}", found)  # noqa: TRY301 (as the others)
-            found = replace(found, options=replace(options, rates=result.options.rates), excess=excess)
-            sampled = with_torques(found, rows=rows)
-        except (SelectionError, SolverError) as error:  # the latter where rates do not suit
-            refused, admitted = error, None
-            if isinstance(error, SelectionError) and error.result is not None:
-                admitted = error.result.range
-            if admitted is not None and admitted.lower is not None and admitted.lower.c2 > 1:
-                steps = int(steps / np.sqrt(admitted.lower.c2))  # a least speed
-                continue
-            most = 0.0 if admitted is None or admitted.upper is None else admitted.upper.c2
-            steps = max(steps + 1, int(np.ceil(steps / np.sqrt(most))) if most > 0 else 0)
+            sampled = with_torques(replace(found, motion=motion, found=own_range, c2=c2, options=own, excess=excess))
+        except SolverError as error:  # where rates do not suit
+            steps, refused = steps + 1, error
             continue
         played = sampled.trajectory
         assert played is not None and played.holding is not None  # noqa: S101, PT018 (c² is in the range)

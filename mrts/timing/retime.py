@@ -11,7 +11,6 @@ from mrts.base.argument_types import Progress, check_callable, check_type, is_nu
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -25,7 +24,6 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
-from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.options import Options, limited_cell
 from mrts.scaling.remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.result import Remarks, ScalingResult
@@ -159,7 +157,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     first, *rest = pieces
     torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
     wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
-    remarks = lasting(constant.warnings) + _stopped(answer, found)
+    remarks = lasting(constant.warnings)
     return _played(
         found, answer.what, remarks, torques=(torque, wrench), also=f". {answer.text(new_times(pieces)[-1])}"
     )
@@ -194,17 +192,6 @@ def _played(
         excess=excess,
     )
     return replace(timed, retimed=with_torques(untouched, torques))
-
-
-def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
-    left = []
-    if answer.gain is None or answer.gain >= CONVERGED:
-        left.append("a faster profile may be near")
-    if found.excess is not None and found.excess.passes:
-        left.append(f"between {found.motion.samples} nodes limits are overstepped by {100 * found.excess.share:.2g} %")
-    if not left:
-        return ()
-    return (Remark("search-stopped", f"this is the best timing found in {answer.steps} steps: {', and '.join(left)}."),)
 
 
 def _check_timing(options: Options, start_speed: float, end_speed: float) -> None:
