@@ -8,7 +8,7 @@ nonlinear program, verified by linear ones.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -284,7 +284,7 @@ def _searched(
     least = {name: box.ranges[name][0] for name in varying}
     motion, problem = rows.motion, build_sample_problem(rows, load=box.load_at(least))
     others = [build_sample_problem(rows, load=box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
-    search = LoadSearch(problem, others)
+    search = load_search(problem, others)
     low, high = np.array([box.ranges[name] for name in varying]).T
     in_order = np.all(problem.lower <= problem.upper, axis=1)  # where sides cross no load helps
     wanted: dict[Side, NDArray[np.intp]] = {
@@ -303,7 +303,8 @@ def _searched(
         )
         for place, sample in enumerate(samples.tolist()):
             corner = np.array([corners[sample].parameters[name] for name in varying])
-            share, c2[place], success[place] = search.best(sample, side, best, (corner - low) / (high - low))
+            known = float(getattr(best, side)[sample])
+            share, c2[place], success[place] = search(sample, side, known, (corner - low) / (high - low))
             values = np.clip(low + share * (high - low), low, high).tolist()
             parameters = dict(zip(varying, values, strict=True))
             tried[sample] = LoadPoint(parameters, box.load_at(parameters))
@@ -321,71 +322,70 @@ def _searched(
     return best, tuple(sorted(missed))
 
 
-class LoadSearch:
+def load_search(
+    problem: SampleProblem, others: Sequence[SampleProblem]
+) -> Callable[[int, Side, float, Array], tuple[Array, float, bool]]:
     """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
 
     Unknowns are those of the linear program with c for c², and the uncertain parameters as shares s in [0, 1] of their
     ranges: rows read A x + (a + Σ_j s_j a_j) c² + b c + Σ_j s_j o_j, exactly, as they are affine in the load. IPOPT
-    (Wächter and Biegler, 2006) finds a local optimum from each start.
+    (Wächter and Biegler, 2006) finds a local optimum from each start: a corner of the box, and its middle.
 
     Args:
         problem: Rows with every parameter at its least value.
         others: Rows with one parameter at its largest value, one problem a parameter.
+
+    Returns:
+        Of a sample, a side, the c² known of it and a corner: shares of the parameters, c² and whether IPOPT converged.
     """
+    import casadi as ca  # noqa: PLC0415 (only here: this is the nonlinear program)
 
-    def __init__(self, problem: SampleProblem, others: Sequence[SampleProblem]) -> None:
-        _, rows, unknowns = problem.A.shape
-        self.free, self.p = unknowns - 1, len(others)
-        change = np.array([other.square - problem.square for other in others])
-        upper = np.isfinite(problem.upper)
-        finite = np.where(upper, problem.upper, problem.lower)  # limits move opposite to the offset of their row
-        self.do = np.array([finite - np.where(upper, other.upper, other.lower) for other in others])
-        effect = np.maximum(problem.effect(caps=True), np.max(np.abs(change), axis=(0, 2), initial=0.0))
-        self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
-        root = np.zeros_like(problem.lower) if problem.speed is None else problem.speed
-        self.b = root * np.sqrt(self.unit)[:, None]
-        size = np.max(np.abs(problem.free), axis=1, initial=0.0)
-        self.A = problem.free / np.where(size > NO_EFFECT, size, 1.0)[:, None, :]
-        self.a, self.da = problem.square * self.unit[:, None], change * self.unit[:, None]
-        self.lower, self.upper = problem.lower, problem.upper
-        import casadi as ca  # noqa: PLC0415 (only here: this is the nonlinear program)
+    _, rows, unknowns = problem.A.shape
+    free, count = unknowns - 1, len(others)
+    change = np.array([other.square - problem.square for other in others])
+    upper = np.isfinite(problem.upper)
+    finite = np.where(upper, problem.upper, problem.lower)  # limits move opposite to the offset of their row
+    offsets = np.array([finite - np.where(upper, other.upper, other.lower) for other in others])
+    effect = np.maximum(problem.effect(caps=True), np.max(np.abs(change), axis=(0, 2), initial=0.0))
+    unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
+    root = np.zeros_like(problem.lower) if problem.speed is None else problem.speed * np.sqrt(unit)[:, None]
+    size = np.max(np.abs(problem.free), axis=1, initial=0.0)
+    matrix = problem.free / np.where(size > NO_EFFECT, size, 1.0)[:, None, :]
+    square, squares = problem.square * unit[:, None], change * unit[:, None]
 
-        x, c, s = ca.SX.sym("x", self.free), ca.SX.sym("c"), ca.SX.sym("s", self.p)
-        A, a, b = ca.SX.sym("A", rows, self.free), ca.SX.sym("a", rows), ca.SX.sym("b", rows)
-        da, do, sign = ca.SX.sym("da", rows, self.p), ca.SX.sym("do", rows, self.p), ca.SX.sym("sign")
-        program = {
-            "x": ca.vertcat(x, c, s),
-            "f": sign * c,
-            "g": A @ x + (a + da @ s) * c**2 + b * c + do @ s,
-            "p": ca.vertcat(ca.vec(A), a, b, ca.vec(da), ca.vec(do), sign),
-        }
-        self.solve = ca.nlpsol("possible_load", "ipopt", program, IPOPT_OPTIONS)
+    x, c, s = ca.SX.sym("x", free), ca.SX.sym("c"), ca.SX.sym("s", count)
+    A, a, b = ca.SX.sym("A", rows, free), ca.SX.sym("a", rows), ca.SX.sym("b", rows)
+    da, do, sign = ca.SX.sym("da", rows, count), ca.SX.sym("do", rows, count), ca.SX.sym("sign")
+    program = {
+        "x": ca.vertcat(x, c, s),
+        "f": sign * c,
+        "g": A @ x + (a + da @ s) * c**2 + b * c + do @ s,
+        "p": ca.vertcat(ca.vec(A), a, b, ca.vec(da), ca.vec(do), sign),
+    }
+    solve = ca.nlpsol("possible_load", "ipopt", program, IPOPT_OPTIONS)
 
-    def best(self, sample: int, side: Side, known: SampleRanges, corner: Array) -> tuple[Array, float, bool]:
-        """Shares of the parameters, c² and whether IPOPT converged, from a corner and from the middle of the box."""
-        sign = 1.0 if side == "lower" else -1.0
-        end = float((known.lower if side == "lower" else known.upper)[sample])
-        start = np.sqrt(end / self.unit[sample]) if np.isfinite(end) else 1.0
-        found = []
-        for s in (corner, np.full(self.p, 0.5)):
-            with held_interrupt():
-                found.append(self._from(sample, sign, start, s))
-        return min(found, key=lambda one: (not one[2], sign * one[1]))
-
-    def _from(self, sample: int, sign: float, c: float, s: Array) -> tuple[Array, float, bool]:
-        A, a, b, lower, upper = (of[sample] for of in (self.A, self.a, self.b, self.lower, self.upper))
-        da, do = self.da[:, sample], self.do[:, sample]
+    def found(sample: int, sign: float, c: float, s: Array) -> tuple[Array, float, bool]:
+        A, a, b = matrix[sample], square[sample], root[sample]
+        lower, upper, da, do = problem.lower[sample], problem.upper[sample], squares[:, sample], offsets[:, sample]
         rest = (a + s @ da) * c**2 + b * c + s @ do
         x = np.linalg.lstsq(A, np.clip(0.0, lower, upper) - rest, rcond=None)[0]
-        found = self.solve(
-            x0=np.concatenate([x, [c], s]),
-            p=np.concatenate([A.ravel(order="F"), a, b, da.ravel(), do.ravel(), [sign]]),
-            lbx=np.concatenate([np.full(self.free, -np.inf), np.zeros(1 + self.p)]),
-            ubx=np.concatenate([np.full(self.free, np.inf), [np.sqrt(UNBOUNDED)], np.ones(self.p)]),
-            lbg=lower,
-            ubg=upper,
-        )
-        z = found["x"].full()[:, 0]
-        shares = np.clip(np.nan_to_num(z[self.free + 1 :], nan=0.5), 0.0, 1.0)
-        c2 = float(z[self.free] ** 2 * self.unit[sample])
-        return shares, c2 if np.isfinite(c2) else sign * np.inf, bool(self.solve.stats()["success"])
+        with held_interrupt():
+            answer = solve(
+                x0=np.concatenate([x, [c], s]),
+                p=np.concatenate([A.ravel(order="F"), a, b, da.ravel(), do.ravel(), [sign]]),
+                lbx=np.concatenate([np.full(free, -np.inf), np.zeros(1 + count)]),
+                ubx=np.concatenate([np.full(free, np.inf), [np.sqrt(UNBOUNDED)], np.ones(count)]),
+                lbg=lower,
+                ubg=upper,
+            )
+        z = answer["x"].full()[:, 0]
+        shares = np.clip(np.nan_to_num(z[free + 1 :], nan=0.5), 0.0, 1.0)
+        c2 = float(z[free] ** 2 * unit[sample])
+        return shares, c2 if np.isfinite(c2) else sign * np.inf, bool(solve.stats()["success"])
+
+    def best(sample: int, side: Side, known: float, corner: Array) -> tuple[Array, float, bool]:
+        sign, start = 1.0 if side == "lower" else -1.0, np.sqrt(known / unit[sample]) if np.isfinite(known) else 1.0
+        tried = [found(sample, sign, float(start), s) for s in (corner, np.full(count, 0.5))]
+        return min(tried, key=lambda one: (not one[2], sign * one[1]))
+
+    return best
