@@ -39,7 +39,6 @@ ROWS = "rows"
 """Folder of the parts, and of nothing else, as whatever reads Parquet wants it."""
 
 LOCK_FILE = ".lock"
-PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 """What a writer that was killed leaves."""
 
@@ -104,9 +103,8 @@ class StudyFolder:
 
     def parts(self) -> dict[int, Path]:
         """Files of the chunks that are solved, by number, in order."""
-        found = ((PART_FILE.fullmatch(path.name), path) for path in (self.path / ROWS).glob("*"))
-        numbered = {int(match[1]): path for match, path in found if match}
-        return {number: numbered[number] for number in sorted(numbered) if number < self.chunks}
+        files = ((number, self.part(number)) for number in range(self.chunks))
+        return {number: path for number, path in files if path.exists()}
 
     def rows(self, pieces: Sequence[Mapping[str, list[Any] | Array]]) -> "pa.Table":
         """Rows as a table, where a NaN is no value.

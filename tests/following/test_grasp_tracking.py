@@ -12,7 +12,7 @@ from shipped_cells import cell_of_arms
 import mrts
 from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.following.coordinate import coordinate
-from mrts.following.reach import CLEARLY, arm_reach
+from mrts.following.tracking import CLEARLY, arm_reach
 from mrts.starting.arm import Arm
 
 
