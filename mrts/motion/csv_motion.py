@@ -5,6 +5,7 @@ import csv
 import re
 from array import array
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Literal
 
@@ -150,14 +151,19 @@ def read_columns(path: Path, least: int = 2) -> dict[str, Array]:
         for number, row in enumerate(rows, start=1):
             if len(row) != len(names):
                 raise InputError(path, f"has {len(row)} values for {len(names)} columns.", key=f"row {number}")
-            values.extend(_numbers(path, number, names, row))
+            values.extend(map(_number, row))
     except csv.Error as error:
         raise InputError(path, f"is no CSV table: {error}.") from None
     count = len(values) // len(names)
     if count < least:
         raise InputError(path, f"holds {count} rows of values; at least {least} are needed.")
-    columns = np.frombuffer(values).reshape(count, len(names)).T.copy()
-    return dict(zip(names, columns, strict=True))
+    table = np.frombuffer(values).reshape(count, len(names))
+    wrong = np.argwhere(~(np.abs(table) <= LARGEST_NUMBER))
+    if wrong.size:
+        row, column = wrong[0].tolist()
+        given = next(islice(_rows(path, text), row + 1, None))[column]
+        raise InputError(path, "must be a finite number.", key=f"row {row + 1}, column {names[column]}", value=given)
+    return dict(zip(names, table.T.copy(), strict=True))
 
 
 def _rows(path: Path, text: str) -> Iterator[list[str]]:
@@ -169,22 +175,12 @@ def _rows(path: Path, text: str) -> Iterator[list[str]]:
             yield row
 
 
-def _numbers(path: Path, row: int, names: list[str], texts: list[str]) -> list[float]:
+def _number(text: str) -> float:
+    """NaN for what is none, such as 1_000."""
     try:
-        values = [float(text) for text in texts]
-        if all(-LARGEST_NUMBER <= value <= LARGEST_NUMBER for value in values) and "_" not in "".join(texts):
-            return values
+        return np.nan if "_" in text else float(text)
     except ValueError:
-        pass
-    wrong = next(place for place, text in enumerate(texts) if not _is_number(text))
-    raise InputError(path, "must be a finite number.", key=f"row {row}, column {names[wrong]}", value=texts[wrong])
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return "_" not in text and abs(float(text)) <= LARGEST_NUMBER
-    except ValueError:
-        return False
+        return np.nan
 
 
 def _column_names(path: Path, row: list[str] | None) -> list[str]:
