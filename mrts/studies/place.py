@@ -32,6 +32,53 @@ from mrts.studies.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.studies.sampling import Distribution, sample_points
 from mrts.studies.study import Study, read_study
 
+STARTS = 3
+"""Layouts from which a search begins, the best of those that were looked at."""
+
+LOOKED_AT = 64
+"""Layouts that are looked at for starts."""
+
+MAX_LAYOUTS = 100_000
+"""That may be: an hour of looking."""
+
+SEED = 17
+
+DIGITS = 5
+"""Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
+
+SAME_PLACE = 1e-9
+"""Largest difference of numbers that are the same [m, rad]."""
+
+DIFFERENCE = 1e-6
+"""Step in a number by which changes of rows are read off [m, rad]: their error is of its size, and rounding 1e-6."""
+
+NEAR = 2.0
+"""Samples whose own c²⁺ is up to this many times that of the motion are in the program: no step raises it as far."""
+
+FIRST_REACH, LEAST_REACH = 0.25, 1e-4
+"""How far a step may change a number, as a share of its range: at first, and where the search ends."""
+
+MAX_STEPS = 60
+"""From one start; ten to thirty are usual."""
+
+WORTH_A_STEP = 1e-6
+"""Share of c²⁺ that a program must promise."""
+
+KEPT_PROMISE = 0.5
+"""Share of a promise which a step that may go further keeps."""
+
+OTHER_POSITIONS = 1e-2
+"""Share of c²⁺ by which a layout that does worse than promised may do so because arms took other joint positions."""
+
+POSTURE_DIGITS = 4
+"""Decimals of a posture that is written to keep joint positions; it only says near which to start."""
+
+NOT_A_LAYOUT = (
+    "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
+    "its values by mrts sweep."
+)
+
+
 BestChange = Callable[[Array, Array], tuple[Array, float, Array]]
 """Of a program: see `layout_program`."""
 
@@ -105,53 +152,6 @@ def _one_sided(problems: Sequence[SampleProblem]) -> tuple[Array, Array, Array]:
     ]  # fmt: skip
     A, speed, limit = (np.concatenate(parts) for parts in zip(*sides, strict=True))
     return A, np.concatenate([speed, -speed], axis=1), limit
-
-
-STARTS = 3
-"""Layouts from which a search begins, the best of those that were looked at."""
-
-LOOKED_AT = 64
-"""Layouts that are looked at for starts."""
-
-MAX_LAYOUTS = 100_000
-"""That may be: an hour of looking."""
-
-SEED = 17
-
-DIGITS = 5
-"""Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
-
-SAME_PLACE = 1e-9
-"""Largest difference of numbers that are the same [m, rad]."""
-
-DIFFERENCE = 1e-6
-"""Step in a number by which changes of rows are read off [m, rad]: their error is of its size, and rounding 1e-6."""
-
-NEAR = 2.0
-"""Samples whose own c²⁺ is up to this many times that of the motion are in the program: no step raises it as far."""
-
-FIRST_REACH, LEAST_REACH = 0.25, 1e-4
-"""How far a step may change a number, as a share of its range: at first, and where the search ends."""
-
-MAX_STEPS = 60
-"""From one start; ten to thirty are usual."""
-
-WORTH_A_STEP = 1e-6
-"""Share of c²⁺ that a program must promise."""
-
-KEPT_PROMISE = 0.5
-"""Share of a promise which a step that may go further keeps."""
-
-OTHER_POSITIONS = 1e-2
-"""Share of c²⁺ by which a layout that does worse than promised may do so because arms took other joint positions."""
-
-POSTURE_DIGITS = 4
-"""Decimals of a posture that is written to keep joint positions; it only says near which to start."""
-
-NOT_A_LAYOUT = (
-    "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
-    "its values by mrts sweep."
-)
 
 
 def place(

@@ -10,6 +10,14 @@ import numpy as np
 
 from mrts.base.arrays import Array
 
+SampleName = Literal["grid", "sobol"]
+
+MAX_VARIANTS = 100_000_000
+"""At a thousand a second and core a day of one core."""
+
+MAX_STEPS = 100_000
+"""Of one number in a grid."""
+
 NEAREST_TO_CERTAIN = 1e-16
 """Least distance of a probability from 0 and 1: a distribution without ends has no number there."""
 
@@ -60,15 +68,6 @@ class Distribution:
         if self.kind == "normal":
             return f"normal, around {shown[0]}, standard deviation {shown[1]}{spaced}"
         return f"from {shown[0]} to {shown[1]}{spaced}"
-
-
-SampleName = Literal["grid", "sobol"]
-
-MAX_VARIANTS = 100_000_000
-"""At a thousand a second and core a day of one core."""
-
-MAX_STEPS = 100_000
-"""Of one number in a grid."""
 
 
 def grid_size(distributions: Sequence[Distribution]) -> int:

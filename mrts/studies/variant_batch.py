@@ -34,6 +34,15 @@ from mrts.scaling.range import RangeEnd, contradiction
 from mrts.studies.study import Study, StudyQuestion
 from mrts.studies.variant_rows import UNREACHABLE, Columns, Row, columns_of, ends_row, solved_row
 
+BLOCK_BYTES = 8_000_000
+"""Of the arrays of the variants that one native call solves: small enough to stay near the processor."""
+
+RATES = ("twist", "acceleration")
+"""Of the object."""
+
+KEPT = 4
+"""Studies whose cells are kept ready."""
+
 LARGEST, LARGEST_ANGLE = 1e6, 1e3
 """Numbers [m, kg, N, N m, s] and angles [rad] beyond these are left to the rules of the files."""
 
@@ -206,16 +215,6 @@ def _of_a_body(inertia: Array) -> NDArray[np.bool_]:
     symmetric = np.all(inertia == inertia.transpose(0, 2, 1), axis=(1, 2))
     sound: NDArray[np.bool_] = symmetric & (moments[:, 0] > NEAR_A_RULE * moments[:, 2])
     return sound & (moments[:, 2] <= (moments[:, 0] + moments[:, 1]) * (1 + NEAR_A_RULE))
-
-
-BLOCK_BYTES = 8_000_000
-"""Of the arrays of the variants that one native call solves: small enough to stay near the processor."""
-
-RATES = ("twist", "acceleration")
-"""Of the object."""
-
-KEPT = 4
-"""Studies whose cells are kept ready."""
 
 
 @lru_cache(maxsize=KEPT)

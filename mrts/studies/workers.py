@@ -46,6 +46,12 @@ CONNECT_TIMEOUT = 10.0
 ADDRESS = re.compile(r"(\w+://)?\S+:\d{1,5}|inproc://\S+")
 """What may be a scheduler's: Dask leaves a traceback about anything else."""
 
+CHUNKS_A_WORKER = 2
+"""In flight: one at work, one that waits."""
+
+MAX_DEATHS = 2
+"""Of workers that solve a chunk with no other beside it; then it is solved variant by variant."""
+
 logger = logging.getLogger("mrts")
 
 
@@ -163,13 +169,6 @@ def _leave_with(driver: int) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
-
-
-CHUNKS_A_WORKER = 2
-"""In flight: one at work, one that waits."""
-
-MAX_DEATHS = 2
-"""Of workers that solve a chunk with no other beside it; then it is solved variant by variant."""
 
 
 def solve_chunk(pickled: bytes, version: str, chunk: range) -> list[Columns]:
