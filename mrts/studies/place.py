@@ -17,12 +17,10 @@ from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError, MrtsError, SolverError
 from mrts.base.held_interrupt import held_interrupt
-from mrts.cell.cell import Cell
 from mrts.cell.number_paths import value_at
 from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
-from mrts.motion.joint_table import JointTable
-from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.motion.object_motion import ObjectMotion
 from mrts.program.between_samples import BETWEEN, checked_tolerance
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
@@ -227,15 +225,15 @@ class LayoutSearch:
     def __init__(self, study: Study, between: float | None = None) -> None:
         self.study, self.between = study.at_hand(), between
         self.lower, self.upper = layout_bounds(study)
-        if isinstance(study.table, JointTable):
+        self.motion = study.motion_of(study.motion)
+        if not isinstance(self.motion, ObjectMotion):
             rule = "a table of joint motion fixes where the arms stand; give the object's motion."
             raise InputError(study.path, rule, key="motion")
-        self.motion = study.table or sample_motion(MotionDescription(**study.motion))
         self.over: Callable[[], bool] = lambda: False
         self.found: list[PlayedLayout] = []
         self.failures: list[str] = []
         self.colliding = 0
-        self.machines = self._cell(self.study.cell).machines
+        self.machines = self.study.cell_of(self.study.cell).machines
         self.as_given, is_layout = _nearest_given(study)
         self.given = self._scaled(self.study.cell, self.as_given, None)
         if self.given is not None and is_layout:
@@ -273,9 +271,6 @@ class LayoutSearch:
             robot["posture"] = (postures or {}).get(robot["name"], robot["posture"])
         return keys
 
-    def _cell(self, keys: dict[str, Any]) -> Cell:
-        return Cell.from_description(keys, folder=self.study.folder).with_limits(*self.study.limits)
-
     def _rounded(self, values: Array) -> Array:
         """Values as they are written, within their bounds and at a bound that they round to, Shape (…, P)."""
         rounded = np.clip(np.round(values, DIGITS) + 0.0, self.lower, self.upper)
@@ -288,7 +283,7 @@ class LayoutSearch:
     ) -> PlayedLayout | None:
         asked = self.study.question
         try:
-            cell = self._cell(keys)
+            cell = self.study.cell_of(keys)
             parted = set(self.machines) - set(cell.machines)
             if parted:
                 rule = "robots '{}' and '{}' are arms of one machine: their bases move together. Let one parameter "
@@ -335,7 +330,7 @@ class LayoutSearch:
         near = np.flatnonzero(result.range.samples.upper <= NEAR * layout.c2)
 
         def problems(values: Array) -> list[SampleProblem]:
-            cell = self._cell(self._keys(values, layout.postures))
+            cell = self.study.cell_of(self._keys(values, layout.postures))
             cell = cell if self.study.question.reserve is None else cell.with_reserve(self.study.question.reserve)
             rows = motion_rows(cell, coordinate(cell, self.motion))
             loads = [None if point is None else point.load for point in result.loads]

@@ -34,7 +34,7 @@ from mrts.cell.source_files import described
 from mrts.collisions.clearance import CollisionModel
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import NO_SPEED, JointTable
-from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
+from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.scaling.loads import mass_grid
@@ -173,6 +173,14 @@ class Study:
             for target in parameter.targets:
                 set_value(files, target.keys, target.value(value))
         return files["cell"], files["motion"]
+
+    def cell_of(self, keys: dict[str, Any]) -> Cell:
+        """The cell of a variant, by the keys and values of its file."""
+        return Cell.from_description(keys, folder=self.folder).with_limits(*self.limits)
+
+    def motion_of(self, keys: dict[str, Any]) -> ObjectMotion | JointTable:
+        """The motion of a variant, likewise."""
+        return sample_motion(MotionDescription(**keys)) if self.table is None else self.table
 
     def at_hand(self) -> Self:
         """The same study with URDFs that are where it says, with the content that it was read with.

@@ -23,7 +23,6 @@ from mrts.kernel.variants import variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
 from mrts.limits.rows import ActiveRow, kernel_limits
-from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import PROFILES
@@ -233,8 +232,7 @@ def batch_for(study: Study) -> "VariantBatch | None":
         return None
     here = study.at_hand()
     try:
-        cell = Cell.from_description(here.cell, folder=here.folder)
-        motion = study.table if study.table is not None else sample_motion(MotionDescription(**study.motion))
+        cell, motion = here.cell_of(here.cell), here.motion_of(here.motion)
     except MrtsError:  # of the study's own numbers, which it may vary
         return None
     known = question.load == "nominal" or (question.load == "auto" and cell.load_box is None)

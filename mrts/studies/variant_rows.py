@@ -15,7 +15,6 @@ from mrts.cell.cell import Cell
 from mrts.collisions.clearance import clearance
 from mrts.following.coordinate import coordinate
 from mrts.motion.joint_table import JointTable
-from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.options import Options
@@ -98,8 +97,7 @@ def solved_row(study: Study, point: Array) -> Row:
     """What is found of a variant, at a point of a study as from `Study.at_hand`, Shape (P,), as `mrts.scale` does."""
     try:
         keys, motion_keys = study.descriptions(point)
-        cell = Cell.from_description(keys, folder=study.folder).with_limits(*study.limits)
-        motion = study.table if study.table is not None else sample_motion(MotionDescription(**motion_keys))
+        cell, motion = study.cell_of(keys), study.motion_of(motion_keys)
         return _answer(study, cell, motion) | _clearance(study, cell, motion)
     except InputError as error:
         return {"status": INVALID, "reason": str(error)}
