@@ -2,6 +2,7 @@
 """The cell with its URDFs read: everything that the symbolic layer and the manifest need."""
 
 import hashlib
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -72,6 +73,20 @@ class CellModel:
         """Rows of a six-component wrench that this cell uses."""
         return PLANE_COMPONENTS[self.record.plane]
 
+    def chains_key(self, stem: str) -> str:
+        """Hash of what functions are generated of: the chains, not the numbers of a cell file."""
+        parts: list[object] = [stem, self.record.plane]
+        for model in self.models:
+            for joint in model.joints:
+                by_held = (joint.placed_by_held, joint.laden_by_held)
+                parts += [joint.kind, joint.axis.tolist(), *by_held, joint.body.mass]
+                if not joint.placed_by_held:
+                    parts.append(joint.placement.numbers.tolist())
+                if not joint.laden_by_held:
+                    parts += [joint.body.com.tolist(), joint.body.at_com.tolist()]
+            parts += [model.tip_by_held, [] if model.tip_by_held else model.tip.numbers.tolist()]
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
     def arms_alone(self) -> "tuple[CellModel, ...]":
         """A cell of each arm by itself."""
         return tuple(
@@ -139,16 +154,15 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     mistakes.raise_noted()
     remarks = [*of_object, *check_contact_normals(path, description.robots, shape)]
     remarks += [remark for arm in built for remark in (*arm.model.remarks, *arm.remarks)]
-    ranges, variation = {}, carried.variation
-    if variation is not None:
-        ranges = variation.ranges()
+    ranges: dict[str, Any] = dict(carried.variation or {})
+    outer_hull = ranges.pop("hull", None) is not None
     record = CellRecord(
         name=description.name,
         plane=description.plane,
         wrench_components=_components(description.plane),
         gravity=np.array(description.gravity, dtype=float),
         load=load_vector(carried.mass, np.zeros(3), inertia),
-        load_box=LoadBox(carried.mass, inertia, ranges, variation.hull is not None) if variation and ranges else None,
+        load_box=LoadBox(carried.mass, inertia, ranges, outer_hull) if ranges else None,
         power_limit=description.power,
         object_velocity_limit=carried.velocity.limits,
         object_acceleration_limit=carried.acceleration.limits,

@@ -8,7 +8,6 @@ from typing import Generic, TypeVar
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel, cell_manifest, read_cell_model
-from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
 from mrts_codegen.model_c import DOUBLE, function_record, model_c
 
@@ -68,7 +67,7 @@ def motion_functions(cell: CellModel, stem: str) -> tuple[CellManifest, dict[str
 
 def _chains(cell: CellModel, stem: str, functions: dict[str, ca.Function], c_source: str) -> ChainsRecord:
     return ChainsRecord(
-        chains=chains_key(cell, stem),
+        chains=cell.chains_key(stem),
         casadi_version=ca.CasadiMeta.version(),
         source=f"{stem}.c",
         source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),

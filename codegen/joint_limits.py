@@ -16,7 +16,7 @@ from mrts.base.formats.record import Record, Rule, checked
 from mrts.base.input_file import text_of
 from mrts.base.remark import Remark
 from mrts.base.words import first_names
-from mrts.base.yaml_parser import parse_yaml
+from mrts.base.yaml_text import parse_yaml
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
 

@@ -1,20 +1,30 @@
 # SPDX-License-Identifier: MIT
 """`object.shape` and `surroundings` of the cell file: what bodies look like, and the inertia of a uniform one."""
 
+import hashlib
+import io
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from mrts_codegen.mesh_file import Mesh, read_mesh
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
+from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, packed_surface
+from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.cell.cell_file import ObstacleDescription, ShapeDescription
 from mrts.cell.points import point_names
 from mrts.cell.record import MeshRecord, ObstacleRecord, ShapeRecord
+
+FORMATS = ("stl", "obj", "ply", "off")
+"""Endings of mesh files; those whose files may name others (dae, gltf) are left out: a mesh is one file."""
+
+NO_VOLUME = 1e-9
+"""Least volume of a body as a share of the cube around it: less is a sheet, or rounding."""
 
 OFF_CENTRE = 0.01
 """Share of its size by which a uniform body's centre may miss the origin of the object frame, the centre of mass: a CAD
@@ -38,14 +48,17 @@ def build_surroundings(
     return tuple(found)
 
 
-def _shape_record(path: Path, folder: Path, shape: ShapeDescription, key: str) -> tuple[ShapeRecord, Mesh | None]:
-    mesh, of_mesh, scale = None, None, shape.scale or 1.0
+def _shape_record(path: Path, folder: Path, shape: ShapeDescription, key: str) -> tuple[ShapeRecord, Any]:
+    """A shape, and the surface of its mesh as trimesh has it [m], None of others."""
+    mesh, surface = None, None
     if shape.mesh is not None:
-        reference = FileReference(shape.mesh, f"{key}.mesh", "mesh")
-        mesh = read_mesh(reference.path(path, folder), reference.content(path, folder), scale)
-        drawn = {"vertices": mesh.vertices, "triangles": mesh.triangles}
-        of_mesh = MeshRecord(file=shape.mesh, scale=scale, sha256=mesh.sha256, **drawn)
-    return ShapeRecord(box=shape.box, cylinder=shape.cylinder, mesh=of_mesh, pose=shape.pose.transform), mesh
+        reference, scale = FileReference(shape.mesh, f"{key}.mesh", "mesh"), shape.scale or 1.0
+        content = reference.content(path, folder)
+        surface = _read_mesh(reference.path(path, folder), content, scale)
+        vertices, triangles = packed_surface(*coarser_surface(surface.vertices, surface.faces, MOST_DRAWN))
+        sha256 = hashlib.sha256(content).hexdigest()
+        mesh = MeshRecord(file=shape.mesh, scale=scale, sha256=sha256, vertices=vertices, triangles=triangles)
+    return ShapeRecord(box=shape.box, cylinder=shape.cylinder, mesh=mesh, pose=shape.pose.transform), surface
 
 
 def build_shape(
@@ -56,29 +69,40 @@ def build_shape(
     Returns:
         The shape, the inertia, and what to know.
     """
-    record, mesh = _shape_record(path, folder, shape, "object.shape")
-    T = record.pose
+    record, surface = _shape_record(path, folder, shape, "object.shape")
+    T, size = record.pose, _size(shape, surface)
     if inertia is None:
-        inertia = multiply(multiply(T.R, _inertia(path, shape, T, mass, mesh)), T.R.T)
-    return record, inertia, _remarks(path, _size(shape, mesh), mesh)
+        centre, own = _uniform(path, folder, shape, mass, surface)
+        _check_centre(path, T, centre, size)
+        inertia = multiply(multiply(T.R, own), T.R.T)
+    advice = "give 'scale: 0.001' if its file is in millimetres" if shape.mesh is not None else "lengths are in m"
+    large = Remark("large-shape", f"{path.name}: object.shape is {size:.4g} m long; {advice}.")
+    return record, inertia, (large,) if size > LARGE else ()
 
 
-def _inertia(path: Path, shape: ShapeDescription, T: RigidTransform, mass: float, mesh: Mesh | None) -> Array:
-    """Of a uniform body about its centre, axes of the shape, Shape (3, 3) [kg m²]."""
-    centre = np.zeros(3)
+def _uniform(path: Path, folder: Path, shape: ShapeDescription, mass: float, surface: Any) -> tuple[Array, Array]:
+    """Centre of a uniform body, Shape (3,) [m], and its inertia about it, Shape (3, 3) [kg m²], axes of the shape."""
     if shape.box is not None:
         squares = np.square(shape.box)
-        inertia = np.diag(mass / 12 * (np.sum(squares) - squares))
-    elif shape.cylinder is not None:
+        return np.zeros(3), np.diag(mass / 12 * (np.sum(squares) - squares))
+    if shape.cylinder is not None:
         radius, length = shape.cylinder.radius, shape.cylinder.length
         across = mass / 12 * (3 * radius**2 + length**2)
-        inertia = np.diag([across, across, mass / 2 * radius**2])
-    else:
-        assert mesh is not None  # noqa: S101 (one kind is given)
-        centre, unit = mesh.solid("Close it, or give the object's 'inertia'.")
-        inertia = mass * unit
-    _check_centre(path, T, centre, _size(shape, mesh))
-    return np.asarray(inertia)
+        return np.zeros(3), np.diag([across, across, mass / 2 * radius**2])
+    file = FileReference(str(shape.mesh)).path(path, folder)
+    problem = ""
+    with np.errstate(invalid="ignore", divide="ignore"):  # by a volume of 0
+        moments = surface.mass_properties
+    if not surface.is_watertight:
+        problem = "this mesh is not closed (watertight), so it encloses no volume."
+    elif not surface.is_winding_consistent:
+        problem = "the triangles of this mesh do not agree on which side is out, so its volume is not known."
+    elif abs(moments.volume) <= NO_VOLUME * _size(shape, surface) ** 3:
+        problem = "this mesh encloses no volume."
+    if problem:
+        raise InputError(file, f"{problem} Close it, or give the object's 'inertia'.")
+    unit = np.array(moments.inertia) / float(moments.volume)  # inside out: both change sign
+    return np.array(moments.center_mass), mass * unit
 
 
 def _check_centre(path: Path, T: RigidTransform, centre: Array, size: float) -> None:
@@ -96,14 +120,28 @@ def _check_centre(path: Path, T: RigidTransform, centre: Array, size: float) -> 
     )
 
 
-def _size(shape: ShapeDescription, mesh: Mesh | None) -> float:
-    if mesh is not None:
-        return mesh.size
+def _size(shape: ShapeDescription, surface: Any) -> float:
+    """Its longest side [m]."""
+    if surface is not None:
+        return float(np.max(np.ptp(surface.vertices, axis=0)))
     return max(shape.box) if shape.box else max(2 * shape.cylinder.radius, shape.cylinder.length)  # type: ignore[union-attr]  # one kind is given
 
 
-def _remarks(path: Path, size: float, mesh: Mesh | None) -> tuple[Remark, ...]:
-    if size <= LARGE:
-        return ()
-    advice = "give 'scale: 0.001' if its file is in millimetres" if mesh is not None else "lengths are in m"
-    return (Remark("large-shape", f"{path.name}: object.shape is {size:.4g} m long; {advice}."),)
+def _read_mesh(path: Path, content: bytes, scale: float) -> Any:
+    """The surface of a mesh file as trimesh has it [m]."""
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        raise InputError(path, f"a mesh of an object is a file of {', '.join(FORMATS)}. Export it as one of them.")
+    import trimesh  # noqa: PLC0415 (half a second, for cells that have a mesh)
+
+    try:
+        # from memory, without a resolver: an OBJ's materials, or whatever a file names, is not opened
+        given = trimesh.load_mesh(io.BytesIO(content), file_type=kind)
+        surface: Any = trimesh.Trimesh(given.vertices * scale, given.faces)
+    except Exception as error:  # noqa: BLE001 (the readers of the formats raise what they like)
+        raise InputError(path, f"cannot be read as a mesh ({type(error).__name__}: {error}).") from None
+    if not len(surface.faces) or not np.all(np.abs(surface.vertices) <= LARGEST_NUMBER):
+        raise InputError(path, "this mesh must have triangles, and vertices that are finite numbers.")
+    if np.max(np.ptp(surface.vertices, axis=0)) <= 0:
+        raise InputError(path, "all vertices of this mesh are one point.")
+    return surface

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Output files are written whole or not at all, and several that belong together all or none."""
 
+import json
 import os
 import tempfile
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
+from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError, MrtsError
 
 LONGEST_START = 300
@@ -87,6 +91,22 @@ def text_writer(text: str) -> Write:
     """What writes `text` as UTF-8 with Unix line ends."""
     data = text.encode("utf-8", "backslashreplace")  # a path need not be text
     return lambda path: path.write_bytes(data)
+
+
+class JsonOutput(ABC):
+    """Writes what `to_json` says."""
+
+    @abstractmethod
+    def to_json(self) -> dict[str, Any]:
+        """All of it as JSON values."""
+
+    def json_text(self) -> str:
+        """`to_json` as text."""
+        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `json_text` to a file, whole or not at all."""
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
 def make_folder_atomically(folder: Path, make: Write) -> None:

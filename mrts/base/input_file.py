@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.base.errors import InputError
 from mrts.base.regular_file import read_regular
-from mrts.base.yaml_parser import MAX_YAML_BYTES, MAX_YAML_DEPTH, parse_yaml
+from mrts.base.yaml_text import MAX_YAML_BYTES, MAX_YAML_DEPTH, parse_yaml
 
 MAX_FILE_BYTES = 30_000_000
 """Far above any cell, motion, URDF or generated C file: a larger one is a mistake."""

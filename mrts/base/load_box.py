@@ -11,7 +11,7 @@ import numpy as np
 
 from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, as_array
+from mrts.base.errors import InputError, as_array, did_you_mean
 from mrts.base.manifest import LOAD_ENTRIES
 
 FACTORS = ("mass", "ixx", "iyy", "izz")
@@ -249,7 +249,7 @@ def range_problem(ranges: Mapping[str, tuple[float, float]], *, outer_hull: bool
 
 def _one_range_problem(name: str, pair: Any) -> str:
     if name not in PARAMETERS:
-        return f"unknown parameter '{name}'; there are {', '.join(PARAMETERS)}."
+        return f"unknown parameter '{name}'{did_you_mean(name, PARAMETERS)} There are {', '.join(PARAMETERS)}."
     given = list(pair) if isinstance(pair, Sequence) or np.ndim(pair) else []
     if len(given) != 2 or not all(is_number(end) for end in given):  # noqa: PLR2004 (two ends)
         return f"{name} = {pair!r} must be two finite numbers, [least, largest]."

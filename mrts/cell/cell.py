@@ -4,26 +4,51 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 from operator import attrgetter
+from os import PathLike
 from pathlib import Path
+from types import NoneType
 from typing import Annotated, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_type, is_number
+from mrts.base.argument_types import as_path, check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.record import MadeAgain, Rule
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook import InNotebooks, NotebookTable
+from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
-from mrts.cell.cell_check import check_generated, check_placement
-from mrts.cell.functions import CellFunctions
-from mrts.cell.record import CellRecord
-from mrts.cell.robot import JOINT_HEAD
+from mrts.base.rigid_transform import RigidTransform, base_leaves, grasp_leaves, in_one_place
+from mrts.cell.functions import CellFunctions, compiled_functions
+from mrts.cell.generation import (
+    described_in_cache,
+    described_model,
+    generated_in_cache,
+    is_generated,
+    motion_functions_of,
+    read_to_generate,
+)
+from mrts.cell.record import CellRecord, read_generated
+from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.kernel.cell_library import CellLibrary
+
+OF_CELL = ("name", "plane", "wrench_components", "machines")
+
+OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
+"""Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
+
+SAME_NUMBER = 1e-12
+"""Largest difference of what is the same number after rounding [m, rad, m/s²]."""
+
+IN_CHAINS = (
+    "is part of the generated functions, so changing it in Python would be ignored there. Change the cell file (name, "
+    "plane, fixed, robots) or the URDF, and read it again: mrts.load_cell(path)."
+)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -51,8 +76,8 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_generated(self)
-        check_placement(self)
+        _check_generated(self)
+        _check_placement(self)
         object.__setattr__(self, "functions", self.functions.placed(self.geometry))
 
     @classmethod
@@ -67,9 +92,9 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
             InputError: If the description or a URDF breaks a rule.
             CompilerError: If there is no C compiler, or it fails.
         """
-        from mrts.cell.loading import described_cell  # noqa: PLC0415 (it makes cells)
-
-        return described_cell(description, folder)
+        check_type("folder", folder, str, PathLike, NoneType)
+        here = (Path() if folder is None else as_path("folder", folder)).absolute()
+        return cell_of(compiled_functions(*described_in_cache(described_model(description, here))), here)
 
     def to_yaml(self, path: Path | str | None = None) -> str:
         """The text of a cell file that reads back to an equal cell: it was read again before it is handed out.
@@ -178,8 +203,9 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         """The same cell with other values of its cell file, all changed in one step.
 
         Args:
-            values: By path as in study files: gravity, object.mass, base, grasp, posture, torque, wrench of a robot:
-                {"robots.left.base.xyz[0]": -0.45, "robots.left.torque": [...]}. A pose may be a `RigidTransform` too.
+            values: By path as in study files: gravity, mass and rates of the object, and what the file says of a robot
+                beside its URDF: {"robots.left.base.xyz[0]": -0.45, "robots.left.torque": [...]}. A pose may be a
+                `RigidTransform` too.
 
         Raises:
             InputError: If a path leads nowhere, or a value breaks a rule of the cell file.
@@ -290,3 +316,111 @@ def _slices(sizes: dict[str, int]) -> dict[str, slice]:
         slices[name] = slice(start, start + size)
         start += size
     return slices
+
+
+def load_cell(path: Path | str) -> Cell:
+    """Read a cell: generate and compile it on first use, from the cache after that.
+
+    Args:
+        path: A cell file, or a folder that `mrts generate` wrote.
+
+    Raises:
+        InputError: If the cell file, a URDF or the generated folder breaks a rule.
+        CompilerError: If there is no C compiler, or it fails.
+    """
+    path = as_path("path", path)
+    if is_generated(path):
+        return cell_of(compiled_functions(*read_generated(path if is_folder(path) else path.parent)))
+    return cell_of(compiled_functions(*generated_in_cache(path)), path.resolve().parent)
+
+
+def cell_of(functions: CellFunctions, folder: Path | None = None) -> Cell:
+    """The cell that the manifest of functions describes."""
+    return Cell(**functions.manifest.cell.record(), functions=functions, folder=folder)
+
+
+def uncompiled_cell(model: Any, folder: Path) -> Cell:
+    """A cell that can follow motions, and nothing else."""
+    return cell_of(CellFunctions(*motion_functions_of(model)), folder)
+
+
+def cell_to_compile(path: Path | str) -> Cell | None:
+    """The cell of a file that is yet to be generated and compiled, as `uncompiled_cell`; None of any other."""
+    path = as_path("path", path)
+    if is_generated(path):
+        return None
+    model = read_to_generate(path)
+    return None if model is None else uncompiled_cell(model, path.resolve().parent)
+
+
+def _check_generated(cell: Cell) -> None:
+    """Check that what the generated functions hold is what they were generated with."""
+    made = cell.functions.manifest.cell
+    of_cell = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
+    ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
+    for key, one, other in (*of_cell, ("robots", ours, theirs), *_of_chains(cell)):
+        if not _same(one, other):
+            raise InputError("cell", IN_CHAINS, key=key)
+
+
+def _check_placement(cell: Cell) -> None:
+    """Check that arms which stand or hold elsewhere than their file says still keep to the rules of the file."""
+    moved = [ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)]
+    for robot, generated in _changed(cell):
+        where = f"robot '{robot.name}'"
+        if cell.plane is not None:
+            problem = base_leaves(cell.plane, robot.T_world_base.R)
+            if problem:
+                raise InputError(where, problem, key="base")
+            tip = robot.source.tip_link
+            problem = grasp_leaves(cell.plane, robot.T_object_tip.R, generated.T_base_tip.R, tip)
+            if problem:
+                raise InputError(where, problem, key="grasp")
+    if any(moved):
+        _check_machines(cell)
+
+
+def _check_machines(cell: Cell) -> None:
+    """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
+    arms = zip(cell.robots, cell.functions.manifest.robots, strict=True)
+    for (one, one_made), (other, other_made) in combinations(arms, 2):
+        first, second = one_made.source, other_made.source
+        if first.sha256 != second.sha256:
+            continue
+        names = f"robots '{one.name}' and '{other.name}'"
+        if (one.name, other.name) in cell.machines:
+            kept = one_made.T_world_base.inverse() @ other_made.T_world_base
+            if not in_one_place(one.T_world_base.inverse() @ other.T_world_base, kept):
+                raise InputError(
+                    "cell",
+                    f"{names} are arms of one machine (one URDF in one place): their bases move together. Give both in "
+                    "one step: mrts.Cell.from_description, or dataclasses.replace(cell, robots=…).",
+                    key="base",
+                )
+        elif in_one_place(one.T_world_base @ first.T_base_root, other.T_world_base @ second.T_base_root):
+            raise InputError(
+                "cell",
+                f"{names} would stand in one place, which makes them arms of one machine (they have one URDF). Move "
+                "one of them, or say so in a cell file, which is checked against the URDF.",
+                key="base",
+            )
+
+
+def _changed(cell: Cell) -> Iterator[tuple[Robot, Robot]]:
+    """Robots that are others than those generated, with these."""
+    pairs = zip(cell.robots, cell.functions.manifest.robots, strict=False)
+    return ((robot, generated) for robot, generated in pairs if robot is not generated)
+
+
+def _of_chains(cell: Cell) -> Iterator[tuple[str, object, object]]:
+    for robot, generated in _changed(cell):
+        for name in OF_CHAINS:
+            yield f"robot '{robot.name}' {name}", getattr(robot, name), getattr(generated, name)
+
+
+def _same(ours: object, theirs: object) -> bool:
+    if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):
+        ours, theirs = ours.numbers, theirs.numbers
+    if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray):
+        return theirs.shape == ours.shape and bool(np.all(np.abs(ours - theirs) <= SAME_NUMBER))
+    return ours == theirs

@@ -4,13 +4,12 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import degrees, pi
-from typing import Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.formats.record import Rule, check_attributes
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.hands import Contact
@@ -25,12 +24,6 @@ ChangeKind = Literal[
     "torque", "wrench", "contact", "velocity", "acceleration", "motor speed", "reserve", "mass", "base", "grasp"
 ]
 """What a change is of: a limit, the reserve that is kept of all of them, the mass, or a pose."""
-
-SMALLEST_STEP = 1e-9
-"""Of a step, whatever its unit: the programs are right to as much."""
-
-LARGEST_STEP = 0.9
-
 
 Point = TypeVar("Point", bound=PointLimit)
 
@@ -63,6 +56,10 @@ SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
 """What one and what several changes of a kind are called."""
 
 
+Step = Annotated[float, Rule(ge=1e-9, le=0.9)]
+"""Whatever its unit: the programs are right to 1e-9."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ChangeSteps:
     """How far numbers are changed, each up and down.
@@ -76,16 +73,12 @@ class ChangeSteps:
         InputError: If one is not a number from 1e-9 to 0.9.
     """
 
-    share: float = 0.1
-    shift: float = 0.01
-    turn: float = pi / 180
+    share: Step = 0.1
+    shift: Step = 0.01
+    turn: Step = pi / 180
 
     def __post_init__(self) -> None:
-        for name, unit in (("share", "1"), ("shift", "m"), ("turn", "rad")):
-            value = getattr(self, name)
-            if not is_number(value, SMALLEST_STEP, LARGEST_STEP):
-                rule = f"must be a number from {SMALLEST_STEP:g} to {LARGEST_STEP:g} [{unit}]."
-                raise InputError(name, rule, value=value)
+        check_attributes(self, ChangeSteps, "steps")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,12 +12,12 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positive, Vector3
-from mrts.base.formats.record import Record, Rule
+from mrts.base.formats.record import Record, Rule, checked_fields
 from mrts.base.input_file import plain, read_model, validated
-from mrts.base.load_box import PARAMETERS, range_problem
+from mrts.base.load_box import range_problem
 from mrts.base.manifest import MOST, WRENCH_UNITS
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.hands import Bounds, limit_sides, one_each, read_contacts
+from mrts.cell.hands import Bounds, ContactRule, limit_sides, one_each, read_contacts
 from mrts.cell.motors import NONE_GIVEN, JointMotors
 from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLimit
 from mrts.cell.record import CylinderRecord
@@ -48,6 +48,7 @@ LimitPerJoint = Finite | Annotated[list[Finite | None], Rule(min_length=1)]
 Limits = Annotated[list[Positive | None], Rule(min_length=1)]
 """One a joint, null where there is none."""
 
+ContactEntry = Annotated[dict[str, dict[str, Any]], ContactRule()]
 Curve = Annotated[list[Annotated[list[Finite], Rule(min_length=2, max_length=2)]], Rule(min_length=2)]
 
 OF_FRICTION = ("coulomb", "viscous")
@@ -61,35 +62,19 @@ OF_ARM = (*POSES, "posture", "torque", "velocity", "acceleration", "wrench", "co
 """Keys of a robot that say more than its URDF, each by itself."""
 
 
-class VariationDescription(Record):
-    """Ranges of what is uncertain of the load; see docs/uncertain_load.md.
+class VariationRule(Rule):
+    """That the ranges of what is uncertain of the load, by parameter, and `hull` keep to docs/uncertain_load.md."""
 
-    Attributes:
-        mass, ixx, iyy, izz: Factors of the mass and of the principal moments.
-        mx, my, mz: First moments [kg m].
-        com_x, com_y, com_z: Offsets of the com [m], with `hull: outer`.
-        hull: How offsets are made linear.
-    """
+    def check(self, value: dict[str, Any], _given: object) -> None:
+        """Check the keys of `variation`."""
+        kinds = {name: Literal["outer"] if name == "hull" else Range for name in value}
+        ranges = checked_fields(kinds, {}, value)
+        ranges.pop("hull", None)
+        if problem := range_problem(ranges, outer_hull="hull" in value):
+            raise InputError("", problem)
 
-    mass: Range | None = None
-    ixx: Range | None = None
-    iyy: Range | None = None
-    izz: Range | None = None
-    mx: Range | None = None
-    my: Range | None = None
-    mz: Range | None = None
-    com_x: Range | None = None
-    com_y: Range | None = None
-    com_z: Range | None = None
-    hull: Literal["outer"] | None = None
 
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The ranges that are given, by parameter."""
-        return {name: (given[0], given[1]) for name in PARAMETERS if (given := getattr(self, name)) is not None}
-
-    def problem(self) -> str:
-        """The rule that its ranges break; empty if none."""
-        return range_problem(self.ranges(), outer_hull=self.hull is not None)
+Variation = Annotated[dict[str, Any], VariationRule()]
 
 
 class ShapeDescription(Record):
@@ -148,7 +133,7 @@ class ObjectDescription(Record):
     mass: Positive
     inertia: Annotated[list[Finite | Vector3], Rule(min_length=3, max_length=3)] | None = None
     shape: ShapeDescription | None = None
-    variation: VariationDescription | None = None
+    variation: Variation | None = None
     velocity: ObjectRates = ObjectRates()
     acceleration: ObjectRates = ObjectRates()
     frames: Annotated[list[PointLimit], Rule(max_length=MOST_POINTS)] = []  # noqa: RUF012 (each record has its own copies)
@@ -224,7 +209,7 @@ class RobotDescription(Record):
     frames: Annotated[list[LinkPointLimit], Rule(max_length=MOST_POINTS)] = []  # noqa: RUF012
     wrench: Bounds = Bounds()
     contact_rate: Annotated[list[Positive | None], Rule(min_length=2, max_length=2)] | None = None
-    contact: Annotated[list[dict[str, dict[str, Any]]], Rule(max_length=MOST_CONTACTS)] = []  # noqa: RUF012
+    contact: Annotated[list[ContactEntry], Rule(max_length=MOST_CONTACTS)] = []  # noqa: RUF012
     fixed: dict[str, Angle] = {}  # noqa: RUF012 (each record has its own copies)
     motors: MotorsDescription = MotorsDescription()
 
@@ -352,6 +337,15 @@ class CellDescription(Record):
             if name in ROBOT_NAMES_TAKEN:
                 return f"a robot cannot be called '{name}': results use that name"
         return ""
+
+
+def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
+    """URDF and base link (None is its root) of every robot of a cell file, by name."""
+    description = read_cell_description(path)
+    return {
+        robot.name: (reference.path(path, path.resolve().parent), robot.base_link)
+        for robot, reference in zip(description.robots, description.urdf_references, strict=True)
+    }
 
 
 def read_cell_description(path: Path) -> CellDescription:

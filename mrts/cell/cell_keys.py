@@ -18,22 +18,22 @@ from mrts.base.formats.record import Record, checked, dumped
 from mrts.base.input_file import plain
 from mrts.base.remark import NEAREST_INERTIA
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
-from mrts.base.yaml_parser import parse_yaml, yaml_text
+from mrts.base.yaml_text import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.cell_file import OF_ARM, POSES, CellDescription, ObjectDescription, RobotDescription, robot_values
 from mrts.cell.generation import described_model
 from mrts.cell.hands import numbered
 from mrts.cell.motors import RATINGS
-from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
+from mrts.cell.number_paths import Keys, find_keys, set_value
 from mrts.cell.points import LinkPointLimit, ObjectRates
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
-from mrts.cell.robot import Robot, RobotSource
+from mrts.cell.robot import Robot
 
 SAME_ROTATION = 1e-12
 """Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""
 
-FILES = frozenset({"urdf", "file"})
-"""Keys that say where a file is, which need not be alike: its hash is compared."""
+FILES = frozenset({"urdf", "file", "joint_limits"})
+"""Keys that say where a file is, which need not be alike: its hash is compared, or what was taken from it."""
 
 
 def cell_keys(cell: Cell) -> dict[str, Any]:
@@ -160,8 +160,8 @@ def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str,
         check_type("values: path", path, str)
         try:
             place = find_keys({"cell": keys}, joints, path)[1:]
-        except PathError as error:
-            raise InputError("values", str(error), key=path) from None
+        except InputError as error:
+            raise error.inside("values", path) from None
         for other, taken in places.items():
             if place[: len(taken)] == taken or taken[: len(place)] == place:
                 raise InputError("values", f"is changed by '{other}' too: say each number once.", key=path)
@@ -196,8 +196,7 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
         raise InputError("path", "is no path of a file.", value=str(path)) from None
     text = yaml_text(_written(cell, cell.folder, beside))
     model = described_model(parse_yaml(text), beside or cell.folder, str(where))
-    robots = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
-    _check_same(where, replace(cell, robots=robots), model.record)
+    _check_same(where, cell, model.record)
     if target is not None:
         files = (reference.path(where, target.resolve().parent) for reference in model.description.references)
         if any(file.resolve() == target.resolve() for file in files):
@@ -232,11 +231,11 @@ def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
     for robot, said in zip(cell.robots, keys["robots"], strict=True):
         said["urdf"] = reference(said["urdf"])
         motors = said["motors"]
-        if robot.has_urdf_torque:
+        if robot.source.effort is not None:
             del said["torque"]
-        if robot.has_urdf_velocity:
+        if robot.source.velocity is not None:
             del said["velocity"]
-        if robot.has_urdf_friction:
+        if robot.source.friction is not None:
             del motors["friction"]
         elif not robot.motors.has_friction:
             motors["friction"] = "none"
@@ -267,18 +266,6 @@ def manifest_of(cell: Cell) -> CellManifest:
     if problem := manifest.problem():
         raise InputError("cell", f"{problem}, to be saved.", value=cell.name)
     return manifest.sealed()
-
-
-def _source_now(robot: Robot) -> RobotSource:
-    """Where an arm is from, without the limits and the friction of its URDF where it has others now."""
-    source = robot.source
-    return replace(
-        source,
-        effort=source.effort if robot.has_urdf_torque else None,
-        velocity=source.velocity if robot.has_urdf_velocity else None,
-        joint_limits=None,
-        friction=source.friction if robot.has_urdf_friction else None,
-    )
 
 
 def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:

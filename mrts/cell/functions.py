@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The generated functions of a cell, bound once, called for all samples of a motion at once."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from ctypes import CDLL, addressof, c_char, string_at
 from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import Any, NoReturn, Self
+from typing import Any, Self
 
 from mrts.base.arrays import Array
-from mrts.base.errors import CompilerError, InputError, MrtsError
+from mrts.base.errors import CompilerError, InputError
 from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, check_source
 from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
@@ -26,14 +26,16 @@ class CellFunctions:
 
     Args:
         manifest: What they are.
-        bind: Gives the library, which may be compiled then, or raises why there is none.
         origin: The generated C; of functions of the motion alone those of CasADi, of a saved result its path.
+
+    Attributes:
+        bind: Gives the library, which may be compiled then, or raises why there is none; cells of other numbers share
+            it.
     """
 
-    def __init__(
-        self, manifest: CellManifest, bind: Callable[[], CellLibrary], origin: str | dict[str, Any] | Path
-    ) -> None:
-        self.manifest, self.bind, self.origin = manifest, bind, origin
+    def __init__(self, manifest: CellManifest, origin: str | dict[str, Any] | Path) -> None:
+        self.manifest, self.origin = manifest, origin
+        self.bind = cache(partial(_bound, manifest, origin))
         self._geometry: Array | None = None
 
     def __contains__(self, name: str) -> bool:
@@ -87,34 +89,51 @@ class CellFunctions:
 
 def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
     """The functions of a library that is compiled unless the cache holds it."""
-    return _compiled(source.with_name(MANIFEST_NAME), manifest, source.read_text(encoding="utf-8"))
+    functions = CellFunctions(manifest, source.read_text(encoding="utf-8"))
+    try:
+        functions.bind()
+    except InputError as error:
+        raise error.inside(source.with_name(MANIFEST_NAME)) from None
+    return functions
 
 
-def _compiled(where: Path | str, manifest: CellManifest, generated: str) -> CellFunctions:
+def _bound(manifest: CellManifest, origin: str | dict[str, Any] | Path) -> CellLibrary:
+    if isinstance(origin, str):
+        return _compiled(manifest, origin)
+    if isinstance(origin, dict):  # a library of following alone is compiled in a tenth of the time
+        text = motion_source(manifest, emitted(origin))
+        return library_or_rebuilt(find_compiler(), "motion", text, partial(CellLibrary, manifest, motion_only=True))
+    raise InputError(
+        origin,
+        f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: read "
+        "it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
+        key="functions",
+    )
+
+
+def _compiled(manifest: CellManifest, generated: str) -> CellLibrary:
     @cache
     def seldom(name: str) -> CDLL:
         symbol = manifest.functions[name].symbol
         library = library_or_rebuilt(find_compiler(), symbol, function_source(generated, symbol), _opened)
-        return _checked(where, manifest, library, [name])
+        return _checked(manifest, library, [name])
 
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
     library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest, seldom=seldom))
-    _checked(where, manifest, library.opened, manifest.functions.keys() - {*SELDOM})
-    return CellFunctions(manifest, lambda: library, generated)
+    _checked(manifest, library.opened, manifest.functions.keys() - {*SELDOM})
+    return library
 
 
-def _checked(where: Path | str, manifest: CellManifest, library: CDLL, functions: Iterable[str]) -> CDLL:
+def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) -> CDLL:
     """A library whose functions take and give what the manifest says: C reads and writes where it is told to."""
     for name in functions:
         record = manifest.functions[name]
         try:
             compiled = c_char.in_dll(library, f"{record.symbol}_signature")
         except ValueError:
-            raise InputError(
-                where, f"the C file holds no such function. {MAKE_AGAIN}", key=f"functions.{name}"
-            ) from None
+            raise InputError("", f"the C file holds no such function. {MAKE_AGAIN}", key=f"functions.{name}") from None
         if string_at(addressof(compiled)) != record.signature.encode():
-            raise InputError(where, f"the compiled function has other shapes. {MAKE_AGAIN}", key=f"functions.{name}")
+            raise InputError("", f"the compiled function has other shapes. {MAKE_AGAIN}", key=f"functions.{name}")
     return library
 
 
@@ -122,45 +141,13 @@ def _opened(library: Path) -> CDLL:
     return CDLL(str(library))
 
 
-def uncompiled_functions(manifest: CellManifest, functions: dict[str, Any]) -> CellFunctions:
-    """CasADi's functions of a motion: a library of them is compiled when one is asked for, in a tenth of the time."""
-
-    @cache
-    def bind() -> CellLibrary:
-        text = motion_source(manifest, emitted(functions))
-        return library_or_rebuilt(find_compiler(), "motion", text, partial(CellLibrary, manifest, motion_only=True))
-
-    return CellFunctions(manifest, bind, functions)
-
-
-def saved_functions(manifest: CellManifest, path: Path) -> CellFunctions:
-    """What stands for the functions of a cell that was read from a saved result: it says what is missing."""
-    missing = InputError(
-        path,
-        f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: read "
-        "it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
-        key="functions",
-    )
-    return CellFunctions(manifest, partial(_fail, missing), path)
-
-
-def _fail(error: MrtsError) -> NoReturn:
-    raise error.with_traceback(None)
-
-
 def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> CellFunctions:
-    """The functions of a pickle: what it holds is checked as `read_generated` does, and compiled unless it is cached.
+    """The functions of a pickle: what it holds is checked as `read_generated` does, and compiled when it is used.
 
-    Where the C cannot be compiled, using the functions says so: what raises while a worker unpickles its task ends it.
+    What raises while a worker unpickles its task would end it.
     """
     where = "pickled cell"
     manifest = verified_manifest(where, manifest_text)
-    if isinstance(origin, Path):
-        return saved_functions(manifest, origin)
-    if isinstance(origin, dict):
-        return uncompiled_functions(manifest, origin)
-    check_source(where, manifest, origin)
-    try:
-        return _compiled(where, manifest, origin)
-    except CompilerError as error:
-        return CellFunctions(manifest, partial(_fail, error), origin)
+    if isinstance(origin, str):
+        check_source(where, manifest, origin)
+    return CellFunctions(manifest, origin)

@@ -1,30 +1,41 @@
 # SPDX-License-Identifier: MIT
-"""Cells generated on first use, kept per user under a hash of their content.
+"""Cells generated on first use, kept per user under a hash of their content, and what their files say.
 
-Here and in `source_files.py` beside it, and nowhere else, the run time calls the build time (`mrts_codegen`).
+Here and nowhere else the run time calls the build time (`mrts_codegen`).
 """
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.record import read_json
+from mrts.base.formats.urdf import Urdf
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
-from mrts.cell.record import CellManifest, read_generated, verified_manifest
+from mrts.base.regular_file import is_folder
+from mrts.base.remark import NEAREST_INERTIA, Remark
+from mrts.cell.cache_key import emitter_key, is_as_made, text_key
+from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
+from mrts.cell.robot import Robot
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
-    from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedPlan, EmbeddedVector
+    from mrts.base.embedded_inputs import EmbeddedPlan
 
 Record = TypeVar("Record", bound=ChainsRecord)
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
+
+CELL_FILE = "cell.yaml"
+"""What `mrts new` and `mrts demo` call a cell file."""
 
 
 def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
@@ -32,8 +43,6 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
 
     All cells with the same chains share one C file, whatever the numbers in their cell files.
     """
-    from mrts_codegen.content_key import is_as_made, text_key  # noqa: PLC0415 (build time, on demand)
-
     text = text_key(path)
     described = cache_folder("cells", text) / MANIFEST_NAME
     manifest = _manifest_as_made(path, described)
@@ -46,8 +55,6 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
 
 def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     """The manifest of a cell file in the cache; None unless the files it names are as then, and its C file is whole."""
-    from mrts_codegen.content_key import is_as_made  # noqa: PLC0415 (build time, on demand)
-
     manifest = _if_sound(described, partial(verified_manifest, described))
     if manifest is None or not is_as_made(path, manifest.cell):
         return None
@@ -84,9 +91,7 @@ def _manifest(cell: Any) -> CellManifest:
 
 def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     """Where the cache keeps what is generated of a cell's chains, and its record; None unless it is there and whole."""
-    from mrts_codegen.content_key import chains_key  # noqa: PLC0415 (build time, on demand)
-
-    folder = _chains_folder(chains_key(cell, CACHED_STEM))
+    folder = _chains_folder(cell.chains_key(CACHED_STEM))
     chains = _if_sound(folder / CHAINS_NAME, lambda text: ChainsRecord.model_validate(read_json(text)))
     return folder, chains if chains is not None and _is_source(folder / chains.source, chains) else None
 
@@ -96,8 +101,6 @@ def _source_in_cache(manifest: CellManifest) -> Path:
 
 
 def _chains_folder(key: str) -> Path:
-    from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
-
     return cache_folder("chains", key, emitter_key())
 
 
@@ -116,29 +119,17 @@ def generate_to(path: Path, folder: Path | None) -> tuple[CellManifest, Path]:
 
 
 def export_to(
-    path: Path,
-    folder: Path,
-    *,
-    limits: "EmbeddedLimits",
-    vectors: list["EmbeddedVector"],
-    path_samples: int,
-    precision: Literal["double", "float"],
-    parts: tuple[str, ...],
-    name: str | None = None,
-    plan: "EmbeddedPlan | None" = None,
+    path: Path, folder: Path, *, parts: tuple[str, ...], name: str | None, plan: "EmbeddedPlan | None", **asked: Any
 ) -> list[str]:
     """Export a cell as a self-contained C library.
 
     Args:
         path: The cell file.
         folder: For the library.
-        limits: What the cell must keep.
-        vectors: Its test vectors.
-        path_samples: The first so many of them are one motion with the nominal load.
-        precision: "double" or "float".
         parts: Of `mrts_codegen.embedded.export_library.PARTS`; none at all is all.
         name: Prefix of every name in the library; None is the cell's.
         plan: What the library plays at any speed.
+        **asked: What else `export_library` there takes.
 
     Returns:
         The files, relative to the folder.
@@ -152,17 +143,10 @@ def export_to(
     from mrts_codegen.function_registry import build_functions  # noqa: PLC0415
 
     cell = cell_model(path)
-    texts = export_library(
-        cell.record if name is None else replace(cell.record, name=name),
-        build_functions(cell, CACHED_STEM, bake=True),
-        limits=limits,
-        vectors=vectors,
-        path_samples=path_samples,
-        kernel=one_file,
-        precision=precision,
-        parts=parts or (PARTS if plan is None else (*PARTS, OVERRIDE)),
-        plan=plan,
-    )
+    record = cell.record if name is None else replace(cell.record, name=name)
+    all_parts = PARTS if plan is None else (*PARTS, OVERRIDE)
+    functions = build_functions(cell, CACHED_STEM, bake=True)
+    texts = export_library(record, functions, kernel=one_file, parts=parts or all_parts, plan=plan, **asked)
     write_library(folder, texts)
     return sorted(texts)
 
@@ -199,8 +183,6 @@ def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
 
 def read_to_generate(path: Path) -> Any | None:
     """A cell with its URDFs that is still to be generated and compiled; None where the cache holds it."""
-    from mrts_codegen.content_key import text_key  # noqa: PLC0415 (build time, on demand)
-
     if _manifest_as_made(path, cache_folder("cells", text_key(path)) / MANIFEST_NAME) is not None:
         return None
     cell = cell_model(path)
@@ -223,3 +205,91 @@ def _is_source(path: Path, chains: ChainsRecord) -> bool:
     except (InputError, ValueError):
         return False
     return True
+
+
+def is_generated(path: Path) -> bool:
+    """Whether a path is that of a generated cell, and not of a cell file."""
+    if is_folder(path) and not (path / MANIFEST_NAME).exists():
+        inside = path / CELL_FILE
+        named = f"the cell file in it: {inside}" if inside.exists() else "a cell file"
+        raise InputError(
+            path, f"is a folder without {MANIFEST_NAME}, so `mrts generate` did not write it; name {named}."
+        )
+    return is_folder(path) or path.name == MANIFEST_NAME
+
+
+class UrdfReading(NamedTuple):
+    """What is in a URDF, and all that is wrong with it.
+
+    Attributes:
+        path: Of the file.
+        urdf: Its links and joints; None if they are none.
+        mistakes: All that breaks a rule.
+        remarks: What is let pass.
+    """
+
+    path: Path
+    urdf: Urdf | None
+    mistakes: tuple[InputError, ...]
+    remarks: tuple[Remark, ...] = ()
+
+
+def urdf_of(robot: Robot, folder: Path) -> Path:
+    """The URDF of an arm of a cell whose files are relative to a folder."""
+    return FileReference(robot.source.urdf).path(folder / CELL_FILE, folder)
+
+
+def read_urdf(where: Path, folder: Path, urdf: str) -> UrdfReading:
+    """A URDF with all that is wrong with it.
+
+    Raises:
+        InputError: If it names a package that is nowhere.
+    """
+    from mrts_codegen.urdf.urdf_file import parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
+
+    reference = FileReference(urdf, key="")
+    path = reference.path(where, folder)
+    try:
+        content = reference.content(where, folder)
+        mistakes, remarks = urdf_mistakes(path, *parse_parts(path, content))
+    except InputError as error:
+        return UrdfReading(path, None, error.each())
+    try:
+        return UrdfReading(path, parse_urdf(path, content), mistakes, remarks)
+    except InputError as error:
+        return UrdfReading(path, None, (*error.each(), *mistakes), remarks)
+
+
+def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
+    """The arm from a base link, None for the root, to a tip link, and centres of mass of its joints' bodies."""
+    from mrts_codegen.urdf.urdf_survey import arm_chain  # noqa: PLC0415 (build time, on demand)
+
+    robot, com = arm_chain(path, urdf, base_link, tip_link)
+    return robot, com
+
+
+def chain_of(cell: CellRecord, robot: Robot, folder: Path) -> Any:
+    """The chain of an arm of a cell, with the masses that its functions were generated with; files are in a folder.
+
+    Raises:
+        InputError: If its URDF is not there as it was.
+    """
+    from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
+
+    reference, where, source = FileReference(robot.source.urdf), folder / CELL_FILE, robot.source
+    path, content = reference.path(where, folder), reference.content(where, folder)
+    if hashlib.sha256(content).hexdigest() != source.sha256:
+        raise InputError(path, "is another file than the cell was made from. Read the cell again.")
+    lenient = any(remark.code == NEAREST_INERTIA for remark in cell.remarks)
+    urdf = parse_urdf(path, content)
+    return build_robot_model(path, urdf, source.base_link, source.tip_link, robot.held, lenient=lenient)
+
+
+def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
+    """A cell with its URDFs (None if something is wrong), and all that is wrong."""
+    from mrts_codegen.cell_model import read_cell  # noqa: PLC0415 (build time, on demand)
+
+    model, mistakes = read_cell(path)
+    return model, mistakes

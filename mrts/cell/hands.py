@@ -453,29 +453,39 @@ KINDS: dict[str, Callable[..., Contact]] = {
 }
 
 
-def read_contacts(
-    where: Path | str,
-    key: str,
-    entries: Sequence[Mapping[str, dict[str, Any]]],
-    components: Sequence[str],
-    R_object_tip: Array,
-) -> tuple[Contact, ...]:
-    """The contacts of one robot as a cell file has them: each the arguments of a function of `KINDS` by its name."""
-    for place, entry in enumerate(entries):
-        if len(entry) != 1 or not {*entry} <= {*KINDS}:
+class ContactRule(Rule):
+    """That an entry of `contact` in a cell file names a function of `KINDS` and gives it arguments of its kinds."""
+
+    def check(self, value: dict[str, dict[str, Any]], _given: object) -> None:
+        """Check an entry."""
+        if len(value) != 1 or not {*value} <= {*KINDS}:
             rule = (
                 f"each entry of 'contact' is one of {', '.join(KINDS)}, such as "
                 "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'."
             )
-            raise InputError(where, rule, key=f"{key}[{place}]", value=[*entry])
-    in_tip, contacts = tip_components(components, R_object_tip), []
-    given = [pair for entry in entries for pair in entry.items()]
-    for place, ((kind, values), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):
+            raise InputError("", rule, value=[*value])
+        ((kind, arguments),) = value.items()
         own = [one for one in signature(KINDS[kind]).parameters.values() if one.name not in {"components", "name"}]
         defaults = {one.name: one.default for one in own if one.default is not Parameter.empty}
         try:
-            arguments = checked_fields({one.name: one.annotation for one in own}, defaults, values)
-            there = in_tip if arguments.get("frame", "tip") == "tip" else components
+            checked_fields({one.name: one.annotation for one in own}, defaults, arguments)
+        except InputError as error:
+            raise error.inside("", kind) from None
+
+
+def read_contacts(
+    where: Path | str,
+    key: str,
+    entries: Sequence[Mapping[str, Mapping[str, Any]]],
+    components: Sequence[str],
+    R_object_tip: Array,
+) -> tuple[Contact, ...]:
+    """The contacts of one robot by entries of a cell file that keep to `ContactRule`."""
+    in_tip, contacts = tip_components(components, R_object_tip), []
+    given = [pair for entry in entries for pair in entry.items()]
+    for place, ((kind, arguments), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):
+        there = in_tip if arguments.get("frame", "tip") == "tip" else components
+        try:
             if there is None:
                 raise InputError("", NOT_IN_PLANE)  # noqa: TRY301 (told of its place with the others)
             contacts.append(KINDS[kind](**arguments, components=there, name=name))

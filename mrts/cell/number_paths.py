@@ -7,7 +7,7 @@ from copy import deepcopy
 from typing import Any
 
 from mrts.base.argument_types import is_number
-from mrts.base.errors import did_you_mean
+from mrts.base.errors import InputError, did_you_mean
 from mrts.base.load_box import UNITS
 from mrts.cell.motors import PER_JOINT, RATINGS
 from mrts.cell.robot import Robot
@@ -66,10 +66,6 @@ OF_JOINT = {
 OF_CURVE = ("rad/s", "N m"), ("m/s", "N")
 
 
-class PathError(Exception):
-    """A path that leads to no number; the message is the rule and what to do."""
-
-
 def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
     """Where a path leads.
 
@@ -79,6 +75,9 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         joints: Number of joints of each robot.
         path: As a user writes it; `robots.left` and `robots[0]` are the same, and so are `duration` and
             `motion.duration`.
+
+    Raises:
+        InputError: If it leads to no number.
     """
     first = re.match(r"[^.\[]*", path)
     top = first.group() if first else ""
@@ -89,9 +88,9 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         keys = ("motion" if top in files.get("motion", {}) and top not in files["cell"] else "cell",)
         rest = f".{path}"
     if keys[0] not in files:
-        raise PathError("is of a motion: paths of a cell begin in its file.")
+        raise InputError("", "is of a motion: paths of a cell begin in its file.")
     if keys == ("motion",) and not files["motion"]:
-        raise PathError("the motion is a table, of which no number varies. Give it by poses to vary it.")
+        raise InputError("", "the motion is a table, of which no number varies. Give it by poses to vary it.")
     here = value_at(files, keys)
     while rest:
         if rest.startswith("[") and is_number(here) and keys[-1] in ONE_FOR_ALL:
@@ -101,7 +100,7 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         key, rest = _step(here, keys, rest, files)
         keys, here = (*keys, key), here[key]
     if here is None and not isinstance(keys[-1], int) and keys[-1] not in NEED_NOT_BE_GIVEN:
-        raise PathError(NOTHING_THERE.format(path_text(files, keys)))
+        raise InputError("", NOTHING_THERE.format(path_text(files, keys)))
     return keys
 
 
@@ -189,9 +188,9 @@ def set_value(file: dict[str, Any], keys: Keys, value: Any) -> None:
 def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[str | int, str]:
     where = path_text(files, keys) or "the cell file"
     if here is None:
-        raise PathError(NOTHING_THERE.format(where))
+        raise InputError("", NOTHING_THERE.format(where))
     if not isinstance(here, dict | list):
-        raise PathError(f"{where} is {here!r}; nothing stands inside of it.")
+        raise InputError("", f"{where} is {here!r}; nothing stands inside of it.")
     if isinstance(here, dict):
         names: dict[str, str | int] = {key: key for key in here}
         inside = "; ".join(here)
@@ -203,10 +202,10 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
             return int(index.group(1)), rest[index.end() :]
     path = rest.removeprefix(".")
     if not here or not names or path == rest:
-        raise PathError(f"{where} has {len(here)} values: {inside}." if here else f"{where} is empty.")
+        raise InputError("", f"{where} has {len(here)} values: {inside}." if here else f"{where} is empty.")
     fitting = [name for name in names if path == name or path.startswith((f"{name}.", f"{name}["))]
     if fitting:
         name = max(fitting, key=len)  # names may hold dots
         return names[name], path[len(name) :]
     wrong = re.split(r"[.\[]", path)[0]
-    raise PathError(f"there is no '{wrong}' in {where}{did_you_mean(wrong, names)} There are {', '.join(names)}.")
+    raise InputError("", f"there is no '{wrong}' in {where}{did_you_mean(wrong, names)} There are {', '.join(names)}.")

@@ -119,7 +119,7 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
             "the data sheet's as 'torque' in the cell file.",
         )
     yield from missing_masses(cell.robots)
-    of_urdf = [robot.name for robot in cell.robots if robot.has_urdf_torque]
+    of_urdf = [robot.name for robot in cell.robots if robot.source.effort is not None]
     if of_urdf:
         text = f"torque limits: the effort limits of the URDF ({', '.join(of_urdf)}); 'torque' gives others"
         yield Remark.assumed("torque-of-urdf", text)
@@ -129,12 +129,12 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
 
 def torque_source(robot: "Robot") -> str:
     """Where its torque limits are from: "URDF" or "cell file"."""
-    return "URDF" if robot.has_urdf_torque else "cell file"
+    return "URDF" if robot.source.effort is not None else "cell file"
 
 
 def friction_sources(robot: "Robot") -> list[str]:
     """Where the friction of each joint is from: "cell file", "URDF", or "none given", which counts as 0."""
-    if not robot.has_urdf_friction:
+    if robot.source.friction is None:
         return ["cell file"] * len(robot.joints)
     return ["URDF" if some else "none given" for some in robot.motors.coulomb + robot.motors.viscous]
 
@@ -317,7 +317,7 @@ def _placeholder_efforts(cell: "Cell") -> dict[str, float]:
     found = {}
     for robot in cell.robots:
         efforts = robot.torque_upper[robot.turns].tolist()
-        if not robot.has_urdf_torque or len(efforts) < FEWEST_JOINTS or len({*efforts}) > 1:
+        if robot.source.effort is None or len(efforts) < FEWEST_JOINTS or len({*efforts}) > 1:
             continue
         if efforts[0] >= ANY_JOINT or (efforts[0] >= LARGE and _share_of_load(robot) > UNLIKE):
             found[robot.name] = efforts[0]

@@ -2,7 +2,7 @@
 """One arm of a cell."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Literal
 
@@ -14,7 +14,7 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.formats.record import MadeAgain, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 from mrts.base.manifest import MOST
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.base.words import interval_text
 from mrts.cell.hands import Contact
@@ -43,10 +43,10 @@ class RobotSource:
         T_base_root: Root of the URDF in the base link, joints in between held or at zero.
         carried_mass: Of the links of each joint up to the next, 0 where the URDF gives none [kg].
         point_links: Those of these links that have a mass but no inertia.
-        effort: Limits of the URDF that are taken as torque limits [N m, N]; None where the cell file gives these.
-        velocity: Likewise those of velocity, None where there is none [rad/s, m/s].
+        effort: Limits of the URDF that are its torque limits [N m, N]; None where it has others.
+        velocity: Likewise its velocity limits, None where there is none [rad/s, m/s].
         joint_limits: A joint_limits.yaml as the cell file names it, and the hash of its bytes; None without one.
-        friction: Coulomb and viscous friction of the URDF's joints; None where the cell file gives them.
+        friction: Likewise its Coulomb and viscous friction.
     """
 
     urdf: str
@@ -136,6 +136,19 @@ class Robot(InNotebooks, MadeAgain):
                 rule = f"must be at most {kind}_upper, and leave something between the two."
                 raise InputError(where, rule, key=f"{kind}_lower", value=lower.tolist())
         self._check_parts(where, n)
+        object.__setattr__(self, "source", self._source_now())
+
+    def _source_now(self) -> RobotSource:
+        """Where it is from, without the limits and the friction of its URDF where it has others."""
+        source, motors = self.source, self.motors
+        effort, against = (*self.torque_upper.tolist(),), (*(-self.torque_lower).tolist(),)
+        friction = (*motors.coulomb.tolist(),), (*motors.viscous.tolist(),)
+        return replace(
+            source,
+            effort=source.effort if source.effort == effort == against else None,
+            velocity=source.velocity if source.velocity == (*without_infinity(self.velocity_limit),) else None,
+            friction=source.friction if source.friction == friction else None,
+        )
 
     def _check_parts(self, where: str, n: int) -> None:
         if len(self.motors.torque_speed) != n:
@@ -170,21 +183,6 @@ class Robot(InNotebooks, MadeAgain):
                 interval_text(self.position_lower[index], self.position_upper[index], position),
                 f"{fastest:.4g} {position}/s" if np.isfinite(fastest) else "none given",
             )
-
-    @property
-    def has_urdf_torque(self) -> bool:
-        """Whether its torque limits are the effort limits of its URDF."""
-        return self.source.effort == (*self.torque_upper.tolist(),) == (*(-self.torque_lower).tolist(),)
-
-    @property
-    def has_urdf_velocity(self) -> bool:
-        """Whether its velocity limits are those of its URDF."""
-        return self.source.velocity == (*without_infinity(self.velocity_limit),)
-
-    @property
-    def has_urdf_friction(self) -> bool:
-        """Whether its friction is that of its URDF."""
-        return self.source.friction == ((*self.motors.coulomb.tolist(),), (*self.motors.viscous.tolist(),))
 
     @property
     def turns(self) -> NDArray[np.bool_]:

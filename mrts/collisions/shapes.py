@@ -13,9 +13,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.generation import urdf_of
 from mrts.cell.record import ShapeRecord
 from mrts.cell.robot import Robot
-from mrts.cell.source_files import urdf_of
 from mrts.collisions.bodies import mesh_file, posed_urdf, reading_meshes
 
 FLAT = 1e-6

@@ -342,7 +342,7 @@ def compiled_cell(
         no_wrench_limits: Whether contact wrenches are unlimited.
         no_velocity_limits: Whether velocities are.
     """
-    from mrts.cell.loading import cell_to_compile, load_cell
+    from mrts.cell.cell import cell_to_compile, load_cell
 
     with working(f"generating and compiling {path}"):
         if motion is not None and (uncompiled := cell_to_compile(path)) is not None:

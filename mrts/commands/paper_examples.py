@@ -10,8 +10,7 @@ from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import Write, text_writer, write_together
 from mrts.base.formats.record import Record
 from mrts.base.input_file import read_data
-from mrts.cell.cell import Cell
-from mrts.cell.loading import load_cell
+from mrts.cell.cell import Cell, load_cell
 from mrts.limits.rows import row_labels
 from mrts.motion.motion_file import load_motion
 from mrts.program.load_sharing import LoadSharing

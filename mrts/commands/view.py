@@ -196,7 +196,7 @@ def _side_clip(
 def _urdfs(cell: Path) -> "Urdfs":
     """URDF and base link by robot, whose meshes arms are drawn with; nothing where only generated code is at hand."""
     from mrts.base.manifest import MANIFEST_NAME
-    from mrts.cell.source_files import urdf_files
+    from mrts.cell.generation import urdf_files
 
     return {} if is_folder(cell) or cell.name == MANIFEST_NAME else urdf_files(cell)
 
@@ -213,7 +213,7 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
 
     cell_path = cell if _urdfs(cell) else None
     if motion is None:
-        from mrts.cell.loading import cell_to_compile
+        from mrts.cell.cell import cell_to_compile
         from mrts.viewer.player_state import still_motion
 
         alone = cell_to_compile(cell) or options.compiled_cell(cell)

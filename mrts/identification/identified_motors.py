@@ -16,7 +16,7 @@ from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
-from mrts.base.yaml_parser import yaml_text
+from mrts.base.yaml_text import yaml_text
 from mrts.cell.robot import Robot
 
 DIGITS = 5

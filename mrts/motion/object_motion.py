@@ -12,7 +12,7 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError
 from mrts.base.formats.record import Shape, check_attributes
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import vectors_from_rotations
 

@@ -14,7 +14,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.regular_file import is_folder, open_regular
-from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
+from mrts.base.yaml_text import MAX_YAML_BYTES, parse_yaml
 from mrts.motion.joint_table import JointTable, joint_motion
 
 NANOSECONDS = 1_000_000_000

@@ -23,7 +23,7 @@ from mrts.base.regular_file import open_regular
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import manifest_of
-from mrts.cell.functions import CellFunctions, saved_functions
+from mrts.cell.functions import CellFunctions
 from mrts.cell.record import CellManifest, CellRecord
 from mrts.limits.rows import limit_name
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
@@ -108,7 +108,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
 
     def read_cell(reader: TreeReader, entry: dict[str, Any], place: str) -> Cell:
         manifest = CellManifest.model_validate(entry["manifest"])
-        functions = saved_functions(manifest, path) if cell is None else _functions_of(cell, manifest, path)
+        functions = CellFunctions(manifest, path) if cell is None else _functions_of(cell, manifest, path)
         names, given = entry["limits"], () if cell is None else cell.limits
         if names != (others := list(map(limit_name, given))):
             rule = (

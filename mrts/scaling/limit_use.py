@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import NotebookTable
+from mrts.base.notebook import NotebookTable
 from mrts.base.words import interval_text
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName, polygons, side_size

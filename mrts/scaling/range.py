@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.load_box import LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import interval_text
 from mrts.limits.rows import RATES, ActiveRow, Side, rows_text
 from mrts.program.range_ends import MOST_INTERVALS

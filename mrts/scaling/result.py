@@ -11,9 +11,9 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.json_output import JsonOutput
+from mrts.base.atomic_file import JsonOutput
 from mrts.base.load_box import LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.cell.cell import Cell

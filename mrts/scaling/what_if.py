@@ -11,7 +11,7 @@ import numpy as np
 
 from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError, MotionError, SolverError
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import aligned, first_names
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes

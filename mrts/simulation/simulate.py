@@ -12,9 +12,9 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_type, is_number, require_extra
 from mrts.base.arrays import Array
+from mrts.base.atomic_file import JsonOutput
 from mrts.base.errors import InputError
-from mrts.base.json_output import JsonOutput
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from mrts.base.atomic_file import JsonOutput
 from mrts.base.errors import InputError
 from mrts.base.formats.record import dumped
-from mrts.base.json_output import JsonOutput
 from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
 from mrts.base.words import aligned

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.edited_yaml import flow
 from mrts.base.printable import printable
+from mrts.base.yaml_text import flow
 from mrts.cell.remarks import missing_masses
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal

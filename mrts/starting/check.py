@@ -12,8 +12,8 @@ import numpy as np
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.errors import InputError, Mistakes, MotionError
 from mrts.base.remark import Remark
-from mrts.cell.cell import Cell
-from mrts.cell.loading import uncompiled_cell
+from mrts.cell.cell import Cell, uncompiled_cell
+from mrts.cell.generation import arm_of_urdf, is_generated, read_urdf, read_without_generating
 from mrts.cell.remarks import (
     COLLISIONS_UNKNOWN,
     FAR,
@@ -25,7 +25,6 @@ from mrts.cell.remarks import (
     missing_masses,
     urdf_remarks,
 )
-from mrts.cell.source_files import arm_of_urdf, is_generated, read_urdf, read_without_generating
 from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion

@@ -16,8 +16,8 @@ from mrts.base.formats.file_reference import is_uri
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform, plane_normal
+from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.cell.remarks import urdf_remarks
-from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, plane_of, twist_rows
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, side_of

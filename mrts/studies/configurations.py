@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
-from mrts.base.json_output import JsonOutput
+from mrts.base.atomic_file import JsonOutput
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, CollisionModel
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion

@@ -17,7 +17,6 @@ from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.cell import Cell
 from mrts.cell.number_paths import (
     Keys,
-    PathError,
     find_keys,
     number_unit,
     numbers_below,
@@ -235,8 +234,8 @@ def _moved(move: str, path: str, factor: float, files: dict[str, Any], cell: Cel
 def _keys(files: dict[str, Any], cell: Cell, path: str) -> Keys:
     try:
         return find_keys(files, [len(robot.joints) for robot in cell.robots], path)
-    except PathError as error:
-        raise InputError("", str(error), value=path) from None
+    except InputError as error:
+        raise InputError("", error.rule, value=path) from None
 
 
 def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float = 1.0, offset: float = 0.0) -> Target:

@@ -25,12 +25,11 @@ from mrts.base.printable import printable
 from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
-from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml, yaml_text
-from mrts.cell.cell import Cell
+from mrts.base.yaml_text import MAX_YAML_BYTES, parse_yaml, yaml_text
+from mrts.cell.cell import Cell, load_cell
+from mrts.cell.cell_file import read_cell_description
 from mrts.cell.cell_keys import cell_keys
-from mrts.cell.loading import load_cell
 from mrts.cell.number_paths import ONE_FOR_ALL, Keys, set_value, value_at
-from mrts.cell.source_files import described
 from mrts.collisions.clearance import CollisionModel
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import NO_SPEED, JointTable
@@ -335,9 +334,10 @@ def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
         named.append(("object", "shape", "mesh"))
     named += [("robots", at, "joint_limits") for at, robot in enumerate(robots) if robot.get("joint_limits")]
     named += [("surroundings", at, "mesh") for at, one in enumerate(around) if one.get("mesh")]
-    for keys, reference in zip(named, described(path).references, strict=True):
-        file, content = (of(path, path.resolve().parent) for of in (reference.path, reference.content))
-        yield StudyFile(keys, value_at(given, keys), str(file.absolute()), content)
+    for keys, reference in zip(named, read_cell_description(path).references, strict=True):
+        folder = path.resolve().parent
+        file = str(reference.path(path, folder).absolute())
+        yield StudyFile(keys, value_at(given, keys), file, reference.content(path, folder))
 
 
 def _described(path: Path) -> StudyDescription:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import NotebookTable
+from mrts.base.notebook import NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell

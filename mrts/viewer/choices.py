@@ -11,7 +11,6 @@ import yaml
 
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_together
-from mrts.base.edited_yaml import Key, edited_yaml
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.input_file import read_text
@@ -20,12 +19,11 @@ from mrts.base.rigid_transform import (
     rotations_from_vectors,
     vectors_from_rotations,
 )
-from mrts.base.yaml_parser import parse_yaml, yaml_text
-from mrts.cell.cell import Cell
+from mrts.base.yaml_text import Key, edited_yaml, parse_yaml, yaml_text
+from mrts.cell.cell import Cell, uncompiled_cell
 from mrts.cell.cell_change import CellChange, Changed, machine_of, with_machine_at
 from mrts.cell.cell_keys import cell_keys, pose_keys
 from mrts.cell.generation import cell_model, described_model
-from mrts.cell.loading import uncompiled_cell
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion

@@ -56,7 +56,7 @@ def _given(cell, arm, **keys):
 MISTAKES = {
     "object.mass": lambda cell, _: cell["object"].update(mass=-8.0),
     "object.inertia[1]": lambda cell, _: cell["object"].update(inertia=[0.1, "wide", 0.2]),
-    "object.variation: unknown key": lambda cell, _: cell["object"].update(variation={"weight": [1, 2]}),
+    "object.variation: unknown parameter": lambda cell, _: cell["object"].update(variation={"weight": [1, 2]}),
     "'gravitation'": lambda cell, _: cell.update(gravitation=[0, 0, -9.81]),
     "plane": lambda cell, _: cell.update(plane="upright"),
     "robots[0].urdf": lambda cell, _: _given(cell, 0, urdf=""),

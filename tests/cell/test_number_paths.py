@@ -3,7 +3,8 @@
 import pytest
 from gantries import gantries
 
-from mrts.cell.number_paths import PathError, find_keys, number_unit, path_text, value_at
+from mrts.base.errors import InputError
+from mrts.cell.number_paths import find_keys, number_unit, path_text, value_at
 
 UNITS = {
     "robots.near.posture[0]": "m",
@@ -67,5 +68,5 @@ def test_a_path_leads_to_the_longest_key_that_it_names():
         if wrong == "robots":
             assert find_keys(files, [1], wrong) == ("cell", "robots")
         else:
-            with pytest.raises(PathError):
+            with pytest.raises(InputError):
                 find_keys(files, [1], wrong)

@@ -6,7 +6,6 @@ import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
 from mrts_codegen.cell_model import read_cell_model
-from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
 from mrts_codegen.generate import generate_chains
 from published_robots import ROBOTS
@@ -85,5 +84,5 @@ def test_chains_that_differ_do_not_share(tmp_path):
             for robot in description["robots"]:
                 robot["wrench"] = {}
         (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
-        keys.add(chains_key(read_cell_model(tmp_path / "cell.yaml"), CACHED_STEM))
+        keys.add(read_cell_model(tmp_path / "cell.yaml").chains_key(CACHED_STEM))
     assert len(keys) == 3

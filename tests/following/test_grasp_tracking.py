@@ -10,7 +10,7 @@ from published_robots import CASES, ROBOTS, urdf_path
 from shipped_cells import cell_of_arms
 
 import mrts
-from mrts.cell.source_files import arm_of_urdf, read_urdf
+from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.following.coordinate import coordinate
 from mrts.following.tracking import CLEARLY, arm_reach
 from mrts.starting.arm import Arm

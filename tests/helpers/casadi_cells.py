@@ -4,8 +4,8 @@ import casadi as ca
 import numpy as np
 from mrts_codegen.generate import generate_cell
 
-from mrts.cell.functions import CellFunctions, uncompiled_functions
-from mrts.cell.loading import cell_of
+from mrts.cell.cell import cell_of
+from mrts.cell.functions import CellFunctions
 
 
 class CasadiFunctions(CellFunctions):
@@ -31,5 +31,4 @@ class CasadiFunctions(CellFunctions):
 def casadi_cell(path):
     """The cell of a file."""
     made = generate_cell(path)
-    bound = uncompiled_functions(made.record, made.functions).bind
-    return cell_of(CasadiFunctions(made.record, bound, made.functions), path.resolve().parent)
+    return cell_of(CasadiFunctions(made.record, made.functions), path.resolve().parent)

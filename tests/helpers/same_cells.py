@@ -26,8 +26,6 @@ def _alike(one, other):
 def _numbers(cell):
     said = manifest_of(cell).model_dump()
     del said["content_sha256"]
-    for robot, now in zip(said["cell"]["robots"], cell.robots, strict=True):
-        del robot["source"]["urdf"]
-        robot["source"] |= {"effort": now.has_urdf_torque, "friction": now.has_urdf_friction}
-        robot["source"] |= {"velocity": now.has_urdf_velocity, "joint_limits": None}
+    for robot in said["cell"]["robots"]:
+        del robot["source"]["urdf"], robot["source"]["joint_limits"]
     return said

@@ -10,8 +10,7 @@ from random_motors import equipped
 from shipped_cells import still_motion
 
 import mrts
-from mrts.cell.functions import CellFunctions
-from mrts.cell.loading import cell_of
+from mrts.cell.cell import cell_of
 
 KINDS = (
     "planar", "spatial", "infeasible", "empty", "least speed", "unbounded", "guaranteed", "infeasible load",
@@ -26,7 +25,9 @@ def as_if_generated(cell, **changes):
     """The cell with other entries in its manifest, its functions as they are."""
     functions = cell.functions
     manifest = functions.manifest.model_copy(update={"cell": replace(functions.manifest.cell, **changes)}).sealed()
-    return cell_of(CellFunctions(manifest, functions.bind, functions.origin))
+    renamed_functions = functions.placed(cell.geometry)
+    renamed_functions.manifest = manifest
+    return cell_of(renamed_functions)
 
 
 def renamed(cell, name, robots, joints):

@@ -69,7 +69,7 @@ def test_only_one_seam_joins_run_time_to_build_time():
         for path in (ROOT / "mrts").rglob("*.py")
     }
     users = {name: functions for name, functions in users.items() if functions}
-    assert set(users) == {"generation.py", "source_files.py"}
+    assert set(users) == {"generation.py"}
     assert not [name for name, functions in users.items() if None in functions]  # only inside functions: on demand
 
 

@@ -9,7 +9,7 @@ from conftest import DATA
 from shown_results import AWKWARD, with_all_rates, with_awkward_names
 
 import mrts
-from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.base.notebook import InNotebooks
 
 
 def shown_by_notebooks(kind):

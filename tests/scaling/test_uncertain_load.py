@@ -221,7 +221,7 @@ VARIATION_MISTAKES = {
     "negative": ({"izz": [-1.0, 2.0]}, "must be >= 0"),
     "zero mass": ({"mass": [0.0, 2.0]}, "must be > 0"),
     "nan": ({"mass": [float("nan"), 2.0]}, "finite"),
-    "unknown": ({"masss": [0.5, 2.0]}, "unknown key 'masss'; did you mean 'mass'?"),
+    "unknown": ({"masss": [0.5, 2.0]}, "unknown parameter 'masss'; did you mean 'mass'?"),
     "one value": ({"mass": [0.5]}, "has 1 values"),
     "a word": ({"mass": "heavy"}, "must be a list"),
     "without the nominal": ({"mass": [2.0, 3.0]}, "must contain 1"),

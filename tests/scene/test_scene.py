@@ -14,7 +14,7 @@ from published_robots import ROBOTS
 from shipped_cells import cell_of_arms
 
 import mrts
-from mrts.cell.source_files import urdf_files
+from mrts.cell.generation import urdf_files
 from mrts.collisions.bodies import body_poses
 from mrts.plots.card import answer_card
 from mrts.scene.arm_meshes import arm_meshes, drawn_arms, name_place, shares_base

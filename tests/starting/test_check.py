@@ -14,7 +14,7 @@ from shipped_cells import changed_cell, shipped_motion
 
 import mrts
 from mrts.base.errors import InputError
-from mrts.cell.loading import cell_to_compile
+from mrts.cell.cell import cell_to_compile
 from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
 from mrts.starting.cell_check import joint_table
 from mrts.starting.request import HOPELESS, request_of

@@ -8,7 +8,7 @@ import pytest
 from conftest import DATA, UR5
 from published_robots import ROBOTS
 
-from mrts.cell.source_files import arm_of_urdf, read_urdf
+from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.starting.arm import Arm, plane_of
 from mrts.starting.tips import first_link, hands
 

@@ -10,8 +10,8 @@ from conftest import UR5
 from shown_viewer import answered
 
 import mrts
-from mrts.base.edited_yaml import edited_yaml
 from mrts.base.rigid_transform import RigidTransform
+from mrts.base.yaml_text import edited_yaml
 from mrts.motion.motion_file import described_motion
 from mrts.viewer.choices import Choices, Given, Place, motion_text, moved_by, save_choices
 from mrts.viewer.workbench import Workbench

@@ -2,10 +2,10 @@
 """Files that a cell file names: by path, or as `package://` and `model://`, found as ROS, Gazebo and pip leave them."""
 
 import hashlib
+import os
 import re
 import site
 import sys
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -16,12 +16,13 @@ from typing import Literal
 from mrts.base.errors import InputError
 from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES
 from mrts.base.regular_file import is_file, is_folder, neighbour, read_regular
-from mrts.base.yaml_parser import MAX_YAML_BYTES
+from mrts.base.yaml_text import MAX_YAML_BYTES
 
 URI = re.compile(r"(?:package|model)://([^/]+)/+([^/].*)")
 
-VARIABLES = ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH")
-"""That messages name; resolve-robotics-uri-py knows those of older simulators too."""
+AMENT = "AMENT_PREFIX_PATH"
+VARIABLES = (AMENT, "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH")
+"""Lists of folders in which ROS and Gazebo look for packages."""
 
 LONGEST_MANIFEST = 100_000
 
@@ -106,16 +107,13 @@ def _package_folders(package: str, near: Path) -> Iterator[Path]:
             yield above / package
         if _is_named(above, package):
             yield above
-    from resolve_robotics_uri_py import resolve_robotics_uri  # noqa: PLC0415 (only for references to packages)
-
-    for exclude in (True, False):  # those of the environment first, then those that are installed beside Python
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it tells of variables with folders that are missing, and of second finds
-            try:
-                shares = [] if exclude else [str(folder) for folder in _share_folders()]
-                yield Path(resolve_robotics_uri(f"package://{package}", shares, exclude_python_prefix=exclude))
-            except (FileNotFoundError, ValueError, OSError):
-                continue
+    of_variables = (
+        Path(folder) / ("share" if name == AMENT else "")
+        for name in VARIABLES
+        for folder in os.environ.get(name, "").split(os.pathsep)
+        if folder
+    )
+    yield from (root / package for root in (*of_variables, *_share_folders()) if is_folder(root / package))
     spec = find_spec(package) if package.isidentifier() else None
     if spec is not None:
         yield from map(Path, spec.submodule_search_locations or ())

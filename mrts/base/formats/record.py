@@ -104,18 +104,18 @@ def check_attributes(owner: Any, of: type, where: str, **known: int) -> dict[str
     Raises:
         InputError: If one is of another kind, or has another shape.
     """
+    kinds, _, shapes = _fields_of(of)
     letters: dict[str | int, int] = dict(known.items())
-    for name, kind, shape, is_array in _attributes(of):
-        try:
-            given = getattr(owner, name)
-            value = as_array("", given) if is_array else checked(kind, given)
-            if shape is not None:
-                shape.check(value, letters)
-        except InputError as error:
-            raise error.with_others(()).inside(where, name) from None
-        if is_array:
-            value.setflags(write=False)
-        object.__setattr__(owner, name, value)
+    try:
+        values = checked_fields(kinds, {}, {name: getattr(owner, name) for name in kinds})
+        for name, shape in shapes.items():
+            try:
+                shape.check(values[name], letters)
+            except InputError as error:
+                raise error.inside("", name) from None
+    except InputError as error:
+        raise error.with_others(()).inside(where) from None
+    vars(owner).update(values)
     return letters
 
 
@@ -124,20 +124,21 @@ class MadeAgain:
 
     def __reduce__(self) -> tuple[Any, ...]:
         own: type = type(self)
-        return partial(own, **{name: getattr(self, name) for name, *_ in _attributes(own)}), ()
+        return partial(own, **{name: getattr(self, name) for name in _fields_of(own)[0]}), ()
 
 
 @cache
-def _attributes(of: type) -> list[tuple[str, Any, Shape | None, bool]]:
-    """Name, kind, shape and whether it is an array of each attribute; found once, cells are made by the thousand."""
-    kinds = [(field.name, field.type) for field in fields(of) if field.init]
-    shapes = [
-        next((one for one in getattr(kind, "__metadata__", ()) if isinstance(one, Shape)), None) for _, kind in kinds
-    ]
-    return [
-        (name, kind, shape, shape is not None and get_origin(get_args(kind)[0]) is np.ndarray)
-        for (name, kind), shape in zip(kinds, shapes, strict=True)
-    ]
+def _fields_of(of: Any) -> tuple[dict[str, Any], dict[str, Any], dict[str, Shape]]:
+    """Kinds, defaults and shapes of the attributes of a record or a dataclass; found once, many are made."""
+    if is_dataclass(of):
+        given: list[Field[Any]] = [field for field in fields(of) if field.init]
+        kinds = {field.name: field.type for field in given}
+        defaults = {field.name: field.default for field in given if field.default is not MISSING}
+    else:
+        kinds = of.model_fields
+        defaults = {name: getattr(of, name) for name in kinds if hasattr(of, name)}
+    marks = [(name, mark) for name, kind in kinds.items() for mark in getattr(kind, "__metadata__", ())]
+    return kinds, defaults, {name: mark for name, mark in marks if isinstance(mark, Shape)}
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -185,8 +186,9 @@ class Record:
             raise error.inside(where) from None
 
     def _fill(self, data: dict[Any, Any]) -> None:
-        defaults = {name: getattr(type(self), name) for name in self.model_fields if hasattr(type(self), name)}
-        vars(self).update(checked_fields(self.model_fields, defaults, data))
+        own: Any = type(self)
+        kinds, defaults, _ = _fields_of(own)
+        vars(self).update(checked_fields(kinds, defaults, data))
         if problem := self.problem():
             raise InputError("", f"{problem.rstrip('.')}.")
 
@@ -304,13 +306,15 @@ def _dataclass(kind: Any, value: Any) -> Any:
     """A value of a dataclass from a mapping; what its own check refuses is told as a rule of the mapping."""
     if not isinstance(value, dict):
         raise _broken(f"must be of type {kind.__name__}", value)
-    given: list[Field[Any]] = [field for field in fields(kind) if field.init]
-    defaults = {field.name: field.default for field in given if field.default is not MISSING}
-    values = checked_fields({field.name: field.type for field in given}, defaults, value)
-    return kind(**values)
+    kinds, defaults, _ = _fields_of(kind)
+    return kind(**checked_fields(kinds, defaults, value))
 
 
 def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
+    if origin is np.ndarray:
+        array = as_array("", value)
+        array.setflags(write=False)
+        return array
     if origin is Callable:
         if not callable(value):
             raise _broken("must be a function", value)
@@ -325,8 +329,6 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
             raise _broken(MAPPING, value)
         names = _each_at((str(name), parts[0], name) for name in value)
         return dict(zip(names, _each_at((str(name), parts[1], entry) for name, entry in value.items()), strict=True))
-    if getattr(origin, "__name__", "") == "ndarray":
-        return as_array("", value)
     if not isinstance(value, list | tuple):
         raise _broken(LIST, value)
     return _items(origin, parts, value)

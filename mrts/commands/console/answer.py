@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
+from mrts.base.atomic_file import JsonOutput
 from mrts.base.errors import InputError, MrtsError
-from mrts.base.json_output import JsonOutput
 from mrts.base.regular_file import FILES_READ
 from mrts.commands.console.terminal import Style, fail, put, say
 

@@ -2,24 +2,19 @@
 """What a generated cell depends on, without the symbolic layer: looking into the cache must cost next to nothing."""
 
 import hashlib
-import json
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mrts.base import version
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
 from mrts.base.regular_file import read_regular
-from mrts.base.yaml_parser import MAX_YAML_BYTES
+from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellRecord
 
-if TYPE_CHECKING:
-    from mrts_codegen.cell_model import CellModel
-
 SHAPING = (
-    *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_parser.py", "base/load_box.py"),
+    *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_text.py", "base/load_box.py"),
     *(
         "base/formats/*.py",
         "cell/record.py",
@@ -53,27 +48,13 @@ def is_as_made(path: Path, record: CellRecord) -> bool:
         return False
 
 
-def chains_key(cell: "CellModel", stem: str) -> str:
-    """Hash of what functions are generated of: the chains, not the numbers of a cell file."""
-    parts: list[object] = [stem, cell.record.plane]
-    for model in cell.models:
-        for joint in model.joints:
-            by_held = (joint.placed_by_held, joint.laden_by_held)
-            parts += [joint.kind, joint.axis.tolist(), *by_held, joint.body.mass]
-            if not joint.placed_by_held:
-                parts.append(joint.placement.numbers.tolist())
-            if not joint.laden_by_held:
-                parts += [joint.body.com.tolist(), joint.body.at_com.tolist()]
-        parts += [model.tip_by_held, [] if model.tip_by_held else model.tip.numbers.tolist()]
-    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
-
-
 @cache
 def emitter_key() -> str:
-    """Hash of what reads cells and emits functions: this package and CasADi's version."""
+    """Hash of what reads cells and emits functions: mrts_codegen and CasADi's version."""
     package = Path(version.__file__).parents[1]
     shaping = [source for pattern in SHAPING for source in package.glob(pattern)]
-    ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
+    folder = _package_folder("mrts_codegen")
+    ours = [source for source in folder.rglob("*.py") if source.parent.name != "embedded"]
     digest = hashlib.sha256("\n".join([*_casadi_versions(), version.__version__]).encode())
     for source in sorted([*ours, *shaping]):
         digest.update(source.read_bytes())
@@ -82,7 +63,11 @@ def emitter_key() -> str:
 
 def _casadi_versions() -> list[str]:
     """Names of the metadata folders beside CasADi: `importlib.metadata`, which reads them, is slow to import."""
-    found = find_spec("casadi")
+    return sorted(path.name for path in _package_folder("casadi").parent.glob("casadi-*"))
+
+
+def _package_folder(name: str) -> Path:
+    found = find_spec(name)
     if found is None or found.origin is None:
-        return []
-    return sorted(path.name for path in Path(found.origin).parents[1].glob("casadi-*"))
+        raise InputError(name, "is not installed: pip install mrts.")
+    return Path(found.origin).parent
