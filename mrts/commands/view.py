@@ -196,7 +196,7 @@ def _side_clip(
 def _urdfs(cell: Path) -> "Urdfs":
     """URDF and base link by robot, whose meshes arms are drawn with; nothing where only generated code is at hand."""
     from mrts.base.manifest import MANIFEST_NAME
-    from mrts.cell.generation import urdf_files
+    from mrts.cell.cell_file import urdf_files
 
     return {} if is_folder(cell) or cell.name == MANIFEST_NAME else urdf_files(cell)
 
