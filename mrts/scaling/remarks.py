@@ -200,29 +200,18 @@ def _fast(end: RangeEnd) -> list[Remark]:
     return [Remark("factor-above-10", text)]
 
 
-def interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRange) -> tuple[Remark, ...]:
-    """That the range is set by what mrts itself makes of a table between its rows."""
-    if bare.upper is None or not np.isfinite(bare.upper.c2):
-        return ()
-    high = bare.upper.c2
-    least = 0.0 if finer.upper is None or not finer.status.admits_motion else finer.upper.c2
-    lost = 1 - least / high
-    return _of_spline(motion, lost, f": there c²⁺ is {100 * lost:.2g} % less than {high:.4g} at the samples")
+def interpolated(motion: CoordinatedMotion, lost: float, effect: str) -> tuple[Remark, ...]:
+    """That an answer is set by what mrts itself makes of a table between its rows.
 
-
-def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) -> tuple[Remark, ...]:
-    """That a timing is longer for what mrts itself makes of a table between its rows: with limits kept there too."""
-    lost = finer / bare - 1
-    told = f": limits kept there too make the timing {100 * lost:.2g} % longer than {bare:.4g} s"
-    return _of_spline(motion, lost, told)
-
-
-def _of_spline(motion: CoordinatedMotion, lost: float, told: str) -> tuple[Remark, ...]:
+    Args:
+        lost: Share of the answer at the given samples that limits take which are kept between them too.
+        effect: What they make of it, such as "c²⁺ {} less".
+    """
     if isinstance(motion.object.course, ProfiledPath) or lost <= REMARKED:
         return ()
     text = (
         "between the given samples the motion is the spline that mrts lays through them, known only as well as they "
-        f"are{told}. Where that matters, give more of them."
+        f"are: limits kept there too make {effect.format(f'{100 * lost:.2g} %')}. Where it matters, give more of them."
     )
     return (Remark("between-samples", text),)
 

@@ -192,7 +192,8 @@ def admissible_range(
         if refined.motion is not motion:
             given, rows = found, rows.along(refined.motion)
             found, study = range_at_samples(rows, options, progress)
-            told = interpolated(motion, given, found)
+            if 0 < given.c2_upper < np.inf:
+                told = interpolated(motion, 1 - max(found.c2_upper, 0.0) / given.c2_upper, "c²⁺ {} less")
     result = ScalingResult(
         cell=cell,
         motion=rows.motion,

@@ -25,7 +25,7 @@ from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.scaling.options import Options, limited_cell
-from mrts.scaling.remarks import interpolated_timing, lasting, motion_remarks
+from mrts.scaling.remarks import interpolated, lasting, motion_remarks
 from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
@@ -123,7 +123,7 @@ def retime(
         return _smooth(SmoothQuestion(fastest, unrated, goal, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    told = interpolated_timing(given, first.duration, fastest.duration)
+    told = interpolated(given, fastest.duration / first.duration - 1, "the timing {} longer")
     remarks = partial(motion_remarks, cell, given, fastest.motion, told)
     return _played(fastest, "fastest timing", remarks)
 
