@@ -147,7 +147,7 @@ def run(
             found = _replaced(found, lambda played: torques_for_load(played, load, **solver))
         if what_if:
             with working("changing the cell") as progress:
-                changes = found.what_if(**solver, progress=progress)
+                changes = found.what_if(progress=progress)
             found = _replaced(replace(found, changes=changes), lambda played: replace(played, changes=changes))
     except SelectionError as error:
         if error.result is not None:

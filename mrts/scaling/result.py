@@ -25,7 +25,6 @@ from mrts.program.between_samples import Excess
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
-from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.limit_use import LimitUse, limit_uses, limits_table, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
@@ -34,7 +33,7 @@ from mrts.scaling.remarks import plan_remarks
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:
-    from mrts.scaling.what_if import WhatIf
+    from mrts.scaling.what_if import SpeedQuestion, WhatIf
 
 """Code of the remark on limits that a saved result was found with and its cell does not have."""
 
@@ -79,6 +78,40 @@ class Result(InNotebooks, JsonOutput):
     @abstractmethod
     def sentence(self) -> str:
         """The outcome alone."""
+
+    @abstractmethod
+    def speed_question(self) -> "SpeedQuestion":
+        """What `what_if` asks of every changed cell."""
+
+    def what_if(
+        self,
+        *,
+        share: float = ChangeSteps.share,
+        shift: float = ChangeSteps.shift,
+        turn: float = ChangeSteps.turn,
+        progress: Progress = lambda _done, _total: None,
+    ) -> "WhatIf":
+        """What changes to the cell would do to the speed, each by itself, solved again at the samples of the result.
+
+        Both sides of each limit, the mass and a reserve are changed by a share up and down; each arm's base is moved
+        along and turned about world axes through its origin, each grasp along and about the object's axes, and the
+        arms follow again. Limits of rates, and the cell's further limits, stay as they are.
+
+        Args:
+            share: Of limits, mass and reserve, as a share of them.
+            shift: Of bases and grasps along an axis [m].
+            turn: Of bases and grasps about an axis [rad].
+            progress: Told how many of how many changes are done.
+
+        Raises:
+            InputError: If a step breaks a rule, or the result is that of a retimed motion, of a possible load, or of a
+                timing with limits of rates.
+            SolverError: If no solver answers.
+        """
+        from mrts.scaling.what_if import what_if  # noqa: PLC0415 (it scales, which makes results)
+
+        check_callable("progress", progress)
+        return what_if(self.speed_question(), ChangeSteps(share=share, shift=shift, turn=turn), progress)
 
     def summary(self) -> str:
         """The outcome in one or two sentences, and a line for each warning."""
@@ -238,37 +271,11 @@ class ScalingResult(Result):
 
         return at_rate(self, rate)
 
-    def what_if(
-        self,
-        *,
-        share: float = ChangeSteps.share,
-        shift: float = ChangeSteps.shift,
-        turn: float = ChangeSteps.turn,
-        solver: str = DEFAULT_SOLVER,
-        progress: Progress = lambda _done, _total: None,
-    ) -> "WhatIf":
-        """What changes to the cell would do to c²⁺, one at a time, each solved again at the samples of the result.
+    def speed_question(self) -> "SpeedQuestion":
+        """How fast a changed cell may play the motion, by one factor."""
+        from mrts.scaling.what_if import range_question  # noqa: PLC0415 (it scales, which makes results)
 
-        Both sides of each limit, the mass and a reserve are changed by a share up and down; each arm's base is moved
-        along and turned about world axes through its origin, each grasp along and about the object's axes, and the
-        arms follow again. Limits of rates, and the cell's further limits, stay as they are.
-
-        Args:
-            share: Of limits, mass and reserve, as a share of them.
-            shift: Of bases and grasps along an axis [m].
-            turn: Of bases and grasps about an axis [rad].
-            solver: As in `mrts.scale`.
-            progress: Told how many of how many changes are done.
-
-        Raises:
-            InputError: If a step breaks a rule, the result is that of a retimed motion or of a possible load.
-            SolverError: If no solver answers.
-        """
-        from mrts.scaling.what_if import what_if  # noqa: PLC0415 (it scales, which makes results)
-
-        check_solver(solver)
-        check_callable("progress", progress)
-        return what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), solver, progress)
+        return range_question(self)
 
     def sentence(self) -> str:
         """The outcome alone."""

@@ -211,18 +211,16 @@ def _seconds(duration: float | None) -> str:
     return f"{duration:.4g} s" if np.isfinite(duration) else "stands still"
 
 
-def ask_changes(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    steps: ChangeSteps,
-    answer: Callable[[Cell, CoordinatedMotion, SpeedAnswer | None], SpeedAnswer],
-    progress: Progress,
-) -> WhatIf:
+SpeedQuestion = tuple[Cell, CoordinatedMotion, Callable[[Cell, CoordinatedMotion, SpeedAnswer | None], SpeedAnswer]]
+"""A cell, its motion, and what answers for a changed cell and its motion, told the answer for the cell as it is."""
+
+
+def what_if(question: SpeedQuestion, steps: ChangeSteps, progress: Progress) -> WhatIf:
     """Change every number of a cell, one at a time up and down, and ask again.
 
-    Arms whose base or grasp is moved follow the same motion of the object again, from the same postures. `answer` is
-    that of a cell and its motion and, but for the cell as it is, the answer of that; it may raise what solvers raise.
+    Arms whose base or grasp is moved follow the same motion of the object again, from the same postures.
     """
+    cell, motion, answer = question
     follows, motion = following_again(cell, motion)
     before = answer(cell, motion, None)
     changes, left_out = cell_changes(cell, steps), ""
@@ -248,18 +246,17 @@ def ask_changes(
     return WhatIf(steps, before, tuple(found), left_out)
 
 
-def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: Progress) -> WhatIf:
-    """What changes would do to the range of c² of a result, at its samples.
+def range_question(result: "ScalingResult") -> SpeedQuestion:
+    """The range of c² with a cell, at the samples of a result.
 
     Raises:
         InputError: If the result is that of another speed, or of what is possible with some load.
-        SolverError: If no solver answers for the cell as it is.
     """
     if result.origin:
         why = "is of a motion that was retimed: ask what mrts.retime found, or scale the motion as it was given."
         raise InputError("result", why)
     cell, study = result.cell, result.load
-    options = replace(result.options, solver=solver, load="nominal" if study is None else study.question)
+    options = replace(result.options, load="nominal" if study is None else study.question)
     if options.load == "possible":
         why = "is of what is possible with some load, which no change is asked of: ask for the guaranteed range."
         raise InputError("result", why, value=options.load)
@@ -278,7 +275,7 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
         again = replace(result, cell=changed, motion=motion, found=found, load=loads, options=options)
         return _of_range(within_rate_limits(again, rows)[0].range, float(motion.object.time[-1]))
 
-    return ask_changes(cell, result.motion, steps, answer, progress)
+    return cell, result.motion, answer
 
 
 def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:

@@ -13,7 +13,6 @@ from mrts.base.arrays import Array, median
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import RowName, rows_text
 from mrts.program.infeasibility import Conflict, find_conflicts
@@ -21,7 +20,7 @@ from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.loads import effective_parameters
-from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
+from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import PathError, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -239,12 +238,11 @@ def _rows(conflict: Conflict | None) -> str:
     return f"; these conflict{load}: {rows_text(conflict.rows, '; ')}"
 
 
-def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress) -> WhatIf:
-    """What changes would do to the duration of the fastest timing, at its samples.
+def timing_question(found: RetimingResult) -> SpeedQuestion:
+    """The duration of the fastest timing with a cell, at the samples of one that was found.
 
     Raises:
         InputError: If rates were limited: such a timing takes seconds.
-        SolverError: If no solver answers for the cell as it is.
     """
     if found.smooth is not None:
         rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
@@ -252,12 +250,11 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     refined = found.motion.samples > found.given.samples
     asked = replace(found, options=replace(found.options, rates=None, between=None))
 
-    def answer(changed: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
-        changed_question = replace(asked, cell=changed, given=motion)
-        again = fastest_timing(changed_question, motion, lambda _done, _total: None, refined=refined)
-        return _of_timing(again)
+    def answer(cell: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
+        changed = replace(asked, cell=cell, given=motion)
+        return _of_timing(fastest_timing(changed, motion, lambda _done, _total: None, refined=refined))
 
-    return ask_changes(found.cell, found.motion, steps, answer, progress)
+    return found.cell, found.motion, answer
 
 
 def _of_timing(timed: RetimingResult) -> SpeedAnswer:

@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
 from mrts.base.notebook import NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow
 from mrts.motion.rows_at_rest import pushing_ends
@@ -32,7 +30,7 @@ from mrts.scaling.options import Options
 from mrts.scaling.remarks import lasting
 from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
-from mrts.scaling.what_if import WhatIf
+from mrts.scaling.what_if import SpeedQuestion, WhatIf
 from mrts.timing.path_pieces import PathPiece
 from mrts.timing.retimed_motion import FastestPiece, SmoothPiece, TimedPiece, at_segment_ends, new_times
 
@@ -300,32 +298,11 @@ class RetimingResult(Result):
             return self.retimed.warnings
         return lasting(self.factor.warnings)
 
-    def what_if(
-        self,
-        *,
-        share: float = ChangeSteps.share,
-        shift: float = ChangeSteps.shift,
-        turn: float = ChangeSteps.turn,
-        progress: Progress = lambda _done, _total: None,
-    ) -> WhatIf:
-        """What changes to the cell would do to the fastest timing, as `ScalingResult.what_if` of a constant factor.
+    def speed_question(self) -> SpeedQuestion:
+        """How fast a changed cell may play the motion, at the samples of this timing."""
+        from mrts.timing.fastest_timing import timing_question  # noqa: PLC0415 (it times, which makes results)
 
-        Limits are kept at the samples of this timing, and what lies between them is not looked at again.
-
-        Args:
-            share: Of limits, mass and reserve, as a share of them.
-            shift: Of bases and grasps along an axis [m].
-            turn: Of bases and grasps about an axis [rad].
-            progress: Told how many of how many changes are done.
-
-        Raises:
-            InputError: If a step breaks a rule, or the timing is one with limits of rates.
-            SolverError: If no solver answers.
-        """
-        from mrts.timing.fastest_timing import timing_what_if  # noqa: PLC0415 (it times, which makes results)
-
-        check_callable("progress", progress)
-        return timing_what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), progress)
+        return timing_question(self)
 
     @property
     def untimed(self) -> bool:
