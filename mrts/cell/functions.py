@@ -12,7 +12,7 @@ from mrts.base.errors import CompilerError, InputError
 from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, check_source
 from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
-from mrts.kernel.c_text import SELDOM, cell_source, function_source, motion_source
+from mrts.kernel.c_text import IN_LANES, SELDOM, cell_source, function_source, motion_source
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 
@@ -129,7 +129,7 @@ def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) ->
     for name in functions:
         record = manifest.functions[name]
         try:
-            compiled = c_char.in_dll(library, f"{record.symbol}_signature")
+            compiled = c_char.in_dll(library, f"{record.symbol}{'_lanes' * (name in IN_LANES)}_signature")
         except ValueError:
             raise InputError("", f"the C file holds no such function. {MAKE_AGAIN}", key=f"functions.{name}") from None
         if string_at(addressof(compiled)) != record.signature.encode():

@@ -42,7 +42,7 @@ SELDOM = ("dynamics", "terms", "torque_form", "fixed_distribution", "played_torq
 """Generated functions that few calls take: each is compiled by itself when one does."""
 
 IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
-"""Generated functions that are compiled for lanes too."""
+"""Generated functions that are compiled for lanes, the wrench form for these alone."""
 
 INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
 
@@ -124,7 +124,7 @@ def motion_source(manifest: Manifest, generated: str) -> str:
 def cell_source(manifest: Manifest, generated: str) -> str:
     """The C text of a cell's library: generated functions but the seldom ones, sizes, the whole kernel."""
     head, functions = _functions(generated)
-    seldom = {record.symbol for name, record in manifest.functions.items() if name in SELDOM}
+    seldom = {record.symbol for name, record in manifest.functions.items() if name in (*SELDOM, "wrench_form")}
     often = head + "".join(text for symbol, text in functions.items() if symbol not in seldom)
     components = len(manifest.wrench_components)
     sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
@@ -136,8 +136,8 @@ def cell_source(manifest: Manifest, generated: str) -> str:
         "MRTS_GEOMETRY_NUMBERS": manifest.functions["kinematics"].inputs[-1].shape[0],
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
     }
-    in_lanes = {f"MRTS_{name.upper()}": manifest.functions[name].symbol for name in IN_LANES}
-    macros |= in_lanes | {f"{name}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
+    in_lanes = {name: manifest.functions[name].symbol for name in IN_LANES}
+    macros |= {f"MRTS_{name.upper()}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
     defined = _defined(motion_macros(manifest) | macros)
     of_lanes = one_file("lanes/model_of_lanes.inc") + "".join(functions.get(symbol, "") for symbol in in_lanes.values())
     return f"{often}\n{defined}{one_text(CELL_FILES)}\n{of_lanes}\n"

@@ -106,7 +106,7 @@ class CellLibrary:
         outputs = {item.name: np.empty((samples, item.shape[1], item.shape[0])) for item in record.outputs}
         sizes = (ctypes.c_longlong * len(outputs))(*[item.shape[0] * item.shape[1] for item in record.outputs])
         places = pointers(list(outputs.values()))
-        if name == "wrench_form":  # in lanes, a third of the time
+        if name == "wrench_form":
             self.opened.mrts_forms(samples, pointers(given), strides, places, sizes)
         else:
             given_as = len(given), pointers(given), strides

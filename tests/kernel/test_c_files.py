@@ -26,7 +26,6 @@ PLANAR = {
     "MRTS_UNKNOWNS": "4",
     "MRTS_MOST_JOINTS": "3",
     "MRTS_FIRST_JOINTS": "{0, 3, 6}",
-    "MRTS_WRENCH_FORM": "wrench_form",
     "MRTS_KINEMATICS": "kinematics",
     "MRTS_BIAS_ACCELERATION": "bias_acceleration",
     "MRTS_WRENCH_FORM_LANES": "wrench_form_lanes",

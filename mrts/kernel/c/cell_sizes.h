@@ -20,7 +20,6 @@
 #define MRTS_GEOMETRY_NUMBERS 51       /* of the geometry that functions read */
 #define MRTS_UNEVEN 1                  /* defined if an arm has other than as many joints as a wrench components */
 #define MRTS_REDUNDANT 1               /* defined if an arm has more */
-#define MRTS_WRENCH_FORM sample_wrench_form
 #define MRTS_KINEMATICS sample_kinematics
 #define MRTS_BIAS_ACCELERATION sample_bias_acceleration
 #define MRTS_WRENCH_FORM_LANES sample_wrench_form_lanes
@@ -46,10 +45,6 @@ typedef struct {
 #define MRTS_GENERATED(name) void name(const double *const *arg, double *const *res)
 
 /* The last input of each is the geometry, see mrts_arm; functions into which it is folded do not read it. */
-/* q, q', q'', rotation, twist, acceleration, load to the affine maps of torques and wrenches, see rows.h. */
-#ifdef MRTS_WRENCH_FORM
-MRTS_GENERATED(MRTS_WRENCH_FORM);
-#endif
 /* q to positions and rotations of the tips and the Jacobians of all arms side by side. */
 MRTS_GENERATED(MRTS_KINEMATICS);
 /* q, q' to J' q' of each arm. */

@@ -16,6 +16,7 @@ enum { MRTS_DQ = 1, MRTS_DDQ, MRTS_ROTATION, MRTS_TWIST, MRTS_ACCELERATION };
 /* Generated functions for lanes: every input is there, with sine and cosine of each of the first input's numbers, and every
  * output. */
 #define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, const mrts_lanes *sines, mrts_lanes *const *res)
+/* q, q', q'', rotation, twist, acceleration, load to the affine maps of torques and wrenches, see rows.h. */
 MRTS_LANE_FUNCTION(MRTS_WRENCH_FORM_LANES);
 MRTS_LANE_FUNCTION(MRTS_KINEMATICS_LANES);
 MRTS_LANE_FUNCTION(MRTS_BIAS_ACCELERATION_LANES);
