@@ -3,7 +3,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors, snap_rotation
 from mrts.starting.arm import Arm, twist_rows
-from mrts.starting.postures import Wanted, find_spots
+from mrts.starting.postures import ROUNDING, Stand, Wanted, find_stands
 from mrts.starting.request import LIFT, Request
 
 FLATNESS = (1.0, 0.6, 0.5)
@@ -31,28 +30,8 @@ IN_FLOOR = 0.3
 METRES = 3
 """Decimals of positions that are proposed [m]."""
 
-ROUNDING = 1e-9
-"""Entries of rotations this near to 0 and ±1 are those."""
-
 STEEPEST = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
-
-_clean = partial(snap_rotation, within=ROUNDING)
-
-
-@dataclass(frozen=True, eq=False)
-class Stand:
-    """Where an arm stands, and how it holds.
-
-    Attributes:
-        T_world_base: Of its base link.
-        T_world_tip: Of its hand at the start.
-        posture: Shape (n,) [rad or m].
-    """
-
-    T_world_base: RigidTransform
-    T_world_tip: RigidTransform
-    posture: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +88,7 @@ def _proposed_bases(request: Request, distance: float) -> list[RigidTransform]:
     for angle in np.pi + 2 * np.pi * np.arange(count) / count:
         out = rotations_from_vectors(angle * request.up) @ first
         turn = np.eye(3) if request.plane else rotations_from_vectors((angle + np.pi) * request.up)
-        bases.append(RigidTransform(_clean(turn), np.round(away * out, METRES) + 0.0))
+        bases.append(RigidTransform(snap_rotation(turn, within=ROUNDING), np.round(away * out, METRES) + 0.0))
     return bases
 
 
@@ -129,21 +108,17 @@ def _between(request: Request, bases: Sequence[RigidTransform], lift: Array, for
     for arm, T, direction in zip(request.arms, bases, out, strict=True):
         facings, kinds = _directions(request, direction, forward)
         start = middle + request.width / 2 * direction
-        found.append(find_spots(arm, _wanted(request, arm, facings, kinds, lift, force, T, start, forward)))
+        found.append(find_stands(arm, _wanted(request, arm, facings, kinds, lift, force, T, start, forward)))
     made = []
     for key in set.intersection(*({*each} for each in found)):
         if request.one_machine and np.any(forward) and (key[1] < 1 or key[0] % 2):
             continue  # behind its back
-        spots = [each[key] for each in found]
-        stands = tuple(
-            Stand(T, RigidTransform(_clean(T.R @ spot.R), np.round(T.p + T.R @ spot.p, 2 * METRES)), spot.q)
-            for T, spot in zip(bases, spots, strict=True)
-        )
+        stands = tuple(each[key] for each in found)
         position = np.round(middle + request.grid * (key[1] * forward + key[2] * request.up), METRES)
         sides = _sides(request, out[0])
         in_floor = proposed and np.any(force) and (position - sides / 2) @ request.up < 0
         worth = DIRECTIONS[key[0] // 2][1] * (IN_FLOOR if in_floor else 1.0)
-        made.append(Layout(position, sides, lift, stands, worth * min(spot.score for spot in spots)))
+        made.append(Layout(position, sides, lift, stands, worth * min(stand.score for stand in stands)))
     return made
 
 
@@ -201,18 +176,14 @@ def _wanted(
         pointing += [T.R.T @ facing] * len(turns)
         kind += [of_kind] * len(turns)
 
-    def places(positions: Array) -> tuple[Array, NDArray[np.intp]]:
-        up, grid = request.up, request.grid
-        off = positions @ T.R.T + T.p - start
-        ahead, above = (np.round(off @ axis / grid) for axis in (forward, up))
-        wanted = start + grid * (ahead[:, None] * forward + above[:, None] * up)
-        return (wanted - T.p) @ T.R, np.stack([ahead, above], axis=1).astype(np.intp)
-
     return Wanted(
+        T_world_base=T,
         rotations=np.array(rotations),
         facing=np.array(pointing),
         kinds=np.array(kind),
-        places=places,
+        start=start,
+        axes=np.array([forward, request.up]),
+        grid=request.grid,
         rows=twist_rows(request.plane),
         gravity=T.R.T @ request.gravity,
         force=T.R.T @ force,

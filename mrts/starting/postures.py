@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Postures in which an arm can hold something: far from its limits and singularities, and strong enough to lift it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
-from mrts.base.rigid_transform import vectors_from_rotations
+from mrts.base.rigid_transform import RigidTransform, snap_rotation, vectors_from_rotations
 from mrts.starting.arm import Arm, ArmState
 
 SAMPLES = 4000
@@ -31,6 +30,12 @@ LEAST_DAMPING = 1e-9
 REACHED = 1e-6
 """Error of a pose that counts as reached [m, rad]: what is written is only where the search of the motion starts."""
 
+ROUNDING = 1e-9
+"""Entries of rotations this near to 0 and ±1 are those."""
+
+DECIMALS = 6
+"""Of places of hands [m]."""
+
 EDGE = 0.1
 """Share of a joint's range at either end from which no posture is drawn."""
 
@@ -51,13 +56,16 @@ BELOW_BASE = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """Where a hand may hold something, base frame; K directions.
+    """Where a hand may hold something, base frame unless said otherwise; K directions.
 
     Attributes:
+        T_world_base: Where the arm stands.
         rotations: Of the tip, Shape (K, 3, 3).
         facing: Where the hand points in each, Shape (K, 3).
         kinds: What tells directions apart that are no alternatives for one another, Shape (K,).
-        places: For positions, Shape (N, 3) [m], the nearest ones that are wanted, and which of several kinds each is.
+        start: A place of the hand, world, Shape (3,) [m].
+        axes: Along which its other places lie, world, Shape (2, 3).
+        grid: Between places [m].
         rows: Of a twist that count, of a planar arm fewer.
         gravity: Shape (3,) [m/s²].
         force: Of the hand on the object, Shape (3,) [N].
@@ -65,10 +73,13 @@ class Wanted:
         stands: Whether the base stands on a floor, above which the arm should stay.
     """
 
+    T_world_base: RigidTransform
     rotations: Array
     facing: Array
     kinds: NDArray[np.intp]
-    places: Callable[[Array], tuple[Array, NDArray[np.intp]]]
+    start: Array
+    axes: Array
+    grid: float
     rows: list[int]
     gravity: Array
     force: Array
@@ -77,24 +88,24 @@ class Wanted:
 
 
 @dataclass(frozen=True, eq=False)
-class Spot:
-    """A posture that holds something in a wanted place.
+class Stand:
+    """Where an arm stands, and how it holds something in a wanted place.
 
     Attributes:
-        q: Shape (n,) [rad or m].
-        R: Of the tip, base frame, Shape (3, 3).
-        p: Likewise, Shape (3,) [m].
+        T_world_base: Of its base link.
+        T_world_tip: Of its hand at the start.
+        posture: Shape (n,) [rad or m].
         score: From 0 to 1; the larger, the farther from all limits along the lift.
     """
 
-    q: Array
-    R: Array
-    p: Array
+    T_world_base: RigidTransform
+    T_world_tip: RigidTransform
+    posture: Array
     score: float
 
 
-def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
-    """The best posture of each kind of place and direction."""
+def find_stands(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Stand]:
+    """The best posture of each kind of direction and number of steps along both axes."""
     q = drawn_postures(arm)
     state = arm.at(q)
     nearness = np.einsum("nij,kij->nk", state.R, wanted.rotations)  # the trace of Rᵀ R_k: 1 + 2 cos of the angle
@@ -102,7 +113,9 @@ def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
     chosen = np.argsort(-np.max(nearness, axis=1), kind="stable")[:SETTLED_SAMPLES]
     q, kind = q[chosen], kind[chosen]
     R = wanted.rotations[kind]
-    p, places = wanted.places(state.p[chosen])
+    T = wanted.T_world_base
+    steps = np.round((state.p[chosen] @ T.R.T + T.p - wanted.start) @ wanted.axes.T / wanted.grid)
+    p = (wanted.start + wanted.grid * steps @ wanted.axes - T.p) @ T.R
     q, near = settle(arm, q, R, p, wanted.rows, SETTLING_STEPS)
     score, effort = np.where(near, 1.0, 0.0), np.zeros(len(q))
     along = q
@@ -113,11 +126,12 @@ def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
         effort = np.maximum(effort, limited)
         score = np.minimum(score, near * _ease(arm, along, state, wanted, wanted.facing[kind]))
     score = score * np.clip(1.2 - effort, 0, 1)
-    found: dict[tuple[int, ...], Spot] = {}
+    found: dict[tuple[int, ...], Stand] = {}
     for at in np.argsort(-score, kind="stable"):
-        key = (int(wanted.kinds[kind[at]]), *(int(place) for place in places[at]))
+        key = (int(wanted.kinds[kind[at]]), *map(int, steps[at]))
         if score[at] > 0 and key not in found:
-            found[key] = Spot(q[at], R[at], p[at], float(score[at]))
+            tip = RigidTransform(snap_rotation(T.R @ R[at], within=ROUNDING), np.round(T.p + T.R @ p[at], DECIMALS))
+            found[key] = Stand(T, tip, q[at], float(score[at]))
     return found
 
 
