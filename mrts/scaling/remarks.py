@@ -56,9 +56,6 @@ FAST = 10.0
 REMARKED = 1e-3
 """Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
 
-OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
-"""Codes of remarks that tell nothing where the speed varies along the path."""
-
 EXCEEDS_RATED_TORQUE = "above-rated"
 """Code of the remark on torques that a motor does not bear for ever."""
 
@@ -105,11 +102,6 @@ def motion_remarks(
         time = motion.object.time
         remarks = [*moved_remarks(tuple(remarks), time, np.setdiff1d(played.object.time, time))]
     return *remarks, *also
-
-
-def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
-    """Those of a motion at a constant factor of speed that hold as well where the speed varies along the path."""
-    return tuple(remark for remark in remarks if remark.code not in OF_CONSTANT_FACTOR)
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:

@@ -27,7 +27,7 @@ from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.options import Options
-from mrts.scaling.remarks import lasting
+from mrts.scaling.remarks import motion_remarks
 from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.what_if import SpeedQuestion, WhatIf
@@ -296,7 +296,7 @@ class RetimingResult(Result):
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings
-        return lasting(self.factor.warnings)
+        return motion_remarks(self.cell, self.given, self.given, (), None)
 
     def speed_question(self) -> SpeedQuestion:
         """How fast a changed cell may play the motion, at the samples of this timing."""

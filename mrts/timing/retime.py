@@ -25,7 +25,7 @@ from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.scaling.options import Options, limited_cell
-from mrts.scaling.remarks import interpolated, lasting, motion_remarks
+from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
@@ -130,8 +130,7 @@ def retime(
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     bare = question.bare
-    constant = question.constant
-    nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
+    nodes = smooth_nodes(bare.cell, question.constant.motion, bare.end_speeds)
 
     def again(motion: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
         return smooth_timing(question, motion, before.pieces, progress)
@@ -157,7 +156,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     first, *rest = pieces
     torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
     wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
-    remarks = lasting(constant.warnings)
+    remarks = partial(motion_remarks, bare.cell, bare.given, bare.given, ())
     return _played(
         found, answer.what, remarks, torques=(torque, wrench), also=f". {answer.text(new_times(pieces)[-1])}"
     )
