@@ -146,7 +146,7 @@ class ScaledTrajectory:
 
     @property
     def inverse_dynamics(self) -> Array:
-        """Eq. (13): τ that the motion takes with the contact wrenches, Shape (N, m) [N m or N]."""
+        """τ by (13) that the motion takes with the contact wrenches, Shape (N, m) [N m or N]."""
         terms, motors = self.terms, motor_terms(self.cell, self.motion)
         torque: Array = terms["E"] * self.c2 + terms["G"] + (0.0 if motors is None else motors.torque(self.c))
         for name, joints in self.cell.joint_slices.items():
@@ -156,7 +156,7 @@ class ScaledTrajectory:
 
     @property
     def unbalanced(self) -> Array:
-        """Eq. (20): P c² + Q - B F, what the contact wrenches lack of what moves the object, Shape (N, w) [N, N m]."""
+        """P c² + Q - B F of (20): what the contact wrenches lack of what moves the object, Shape (N, w) [N, N m]."""
         terms = self.terms
         lacking: Array = terms["P"] * self.c2 + terms["Q"] - np.einsum("nij,nj->ni", terms["B"], self.wrench)
         return lacking
