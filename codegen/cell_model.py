@@ -12,10 +12,9 @@ import numpy as np
 from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.joint_limits import add_joint_limits
 from mrts_codegen.object_shape import build_shape, build_surroundings
-from mrts_codegen.urdf.held_joints import held_positions
+from mrts_codegen.urdf.held_joints import check_machines, held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
-from mrts_codegen.urdf.shared_joints import check_machines
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
 from mrts.base.arrays import Array

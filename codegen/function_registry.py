@@ -11,6 +11,14 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.arm_dynamics import (
+    bias_acceleration,
+    block_diagonal,
+    coriolis_torque,
+    forward_kinematics,
+    frame_jacobian,
+    mass_matrix,
+)
 from mrts_codegen.equations.cooperative_terms import (
     CooperativeTerms,
     cooperative_terms,
@@ -19,10 +27,7 @@ from mrts_codegen.equations.cooperative_terms import (
 )
 from mrts_codegen.equations.formulations import fixed_distribution, torque_form, wrench_form
 from mrts_codegen.equations.geometry import Geometry, geometry_numbers, geometry_symbols
-from mrts_codegen.equations.inverse_dynamics import coriolis_torque, mass_matrix
-from mrts_codegen.equations.kinematics import bias_acceleration, forward_kinematics, frame_jacobian
 from mrts_codegen.equations.played_torques import played_torques
-from mrts_codegen.equations.spatial_algebra import block_diagonal
 
 Named = dict[str, Any]
 

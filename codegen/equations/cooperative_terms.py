@@ -6,12 +6,9 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.arm_dynamics import block_diagonal, frame_jacobian, scaled_arm_terms
 from mrts_codegen.equations.geometry import Geometry
-from mrts_codegen.equations.grasp_map import contact_offset, grasp_map, grasp_map_inverse
-from mrts_codegen.equations.inverse_dynamics import scaled_arm_terms
-from mrts_codegen.equations.kinematics import frame_jacobian
-from mrts_codegen.equations.object_dynamics import object_terms
-from mrts_codegen.equations.spatial_algebra import block_diagonal
+from mrts_codegen.equations.object_dynamics import contact_offset, grasp_map, grasp_map_inverse, object_terms
 
 from mrts.base.manifest import LOAD_ENTRIES
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.arm_dynamics import block_diagonal
 from mrts_codegen.equations.cooperative_terms import CooperativeTerms, inverse_jacobian_transpose, load_map
 from mrts_codegen.equations.geometry import Geometry
-from mrts_codegen.equations.spatial_algebra import block_diagonal
 
 FORMULATION = ("torque_map", "torque_offset", "wrench_map", "wrench_offset", "equality_map", "equality_rhs")
 """Of the unknowns x (k of them, c² last): Shapes (m, k), (m,) [N m], (n w, k), (n w,) [N, N m], (e, k), (e,)."""

@@ -5,9 +5,8 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.arm_dynamics import ChainMotion, chain_motion, spin, transmitted_torques
 from mrts_codegen.equations.geometry import Geometry
-from mrts_codegen.equations.inverse_dynamics import transmitted_torques
-from mrts_codegen.equations.kinematics import ChainMotion, chain_motion, spin
 from mrts_codegen.equations.object_dynamics import angular_balance, linear_balance, load_inertia
 
 

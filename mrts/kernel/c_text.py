@@ -9,28 +9,17 @@ from posixpath import dirname, join, normpath
 
 from mrts.base.manifest import LOAD_ENTRIES, Manifest
 
-PROGRAM_FILES = (
-    *("linear_programs.c", "quadratic_programs.c", "speed_intervals.c", "batch.c"),
-    *(f"reachability/{name}.c" for name in ("projection", "lane_corners", "regions")),
-)
+PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "speed_intervals.c", "batch.c", "projections.c")
 """The programs, which need no cell."""
 
-TRACKING_FILES = (
-    "map.c",
-    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "follow")),
-)
+TRACKING_FILES = ("tracking.c",)
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
-CELL_FILES = (
-    *(*PROGRAM_FILES, "lanes/lanes.c", "lanes/kept_torques.c", "trajectory.c"),
-    *(*TRACKING_FILES, "tracking/closure.c"),
-    *(f"dense/{name}.c" for name in ("path_places", "widening")),
-    *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
-)
+CELL_FILES = (*PROGRAM_FILES, *TRACKING_FILES, "trajectory.c", "widening.c", "arm_tips.c")
 """All of the kernel; the last files need a cell's sizes and generated functions."""
 
-SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
-"""The programs of smooth timing, which need no cell either."""
+SMOOTH = "smooth_timing.c"
+"""The program of smooth timing, which needs no cell either."""
 
 SMOOTH_LEVEL = """#if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O2")
@@ -63,7 +52,7 @@ def one_file(name: str) -> str:
 
 @cache
 def one_text(names: tuple[str, ...]) -> str:
-    """Some C files of the kernel, such as "smooth/fronts.c", in order, as one text: headers stand where first included.
+    """Some C files of the kernel, such as "trajectory.c", in order, as one text: headers stand where first included.
 
     What is to be read more than once ends in .inc, and stands wherever it is included.
     """
@@ -85,7 +74,7 @@ def programs_source() -> str:
 
 def smooth_source() -> str:
     """The C text of the library of smooth timing."""
-    return f"{SMOOTH_LEVEL}#define MRTS_LOCAL static\n{one_text(SMOOTH_FILES)}"
+    return f"{SMOOTH_LEVEL}#define MRTS_LOCAL static\n{one_text((SMOOTH,))}"
 
 
 def motion_macros(manifest: Manifest) -> dict[str, int | str]:

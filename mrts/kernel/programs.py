@@ -13,7 +13,7 @@ from mrts.kernel.c_text import PROGRAM_FILES, programs_source
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 
 CORNERS = 64
-"""Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
+"""Most corners of a projection, `MRTS_CORNERS` of projections.c."""
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""

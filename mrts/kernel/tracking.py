@@ -14,18 +14,18 @@ from mrts.kernel.binding import structure
 from mrts.kernel.cell_library import CellLibrary, pointers, sample_inputs
 
 FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
-"""How following ends for an arm, as in follow.h."""
+"""How following ends for an arm, as in tracking.c."""
 
-OUTCOME = np.dtype(structure("tracking/follow.h", "mrts_outcome"))
+OUTCOME = np.dtype(structure("tracking.c", "mrts_outcome"))
 
 PATH = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
 """What is known of the object at each sample, and its shape there."""
 
 CLOSURE_SIZES = 6
-"""Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.c."""
+"""Numbers of each arm, `MRTS_CLOSURE_SIZES` of arm_tips.c."""
 
 FOLLOWING, TRACKING, PREFERENCE = (
-    structure("tracking/follow.h", f"mrts_{name}") for name in ("following", "tracking", "preference")
+    structure("tracking.c", f"mrts_{name}") for name in ("following", "tracking", "preference")
 )
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Ranges of c² of many variants of one cell along its motion, one foreign call (mrts/kernel/c/variants)."""
+"""Ranges of c² of many variants of one cell along its motion, one foreign call (mrts/kernel/c/trajectory.c)."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -13,11 +13,11 @@ from mrts.kernel.cell_library import TERMS, CellLibrary, pointers
 from mrts.kernel.tracking import PATH, strided
 
 NAMED = 4
-"""Most rows that are named at an end, as a multiple of the unknowns: `MRTS_MOST_NAMED` of ranges.c."""
+"""Most rows that are named at an end, as a multiple of the unknowns: `MRTS_MOST_NAMED` of trajectory.c."""
 
 
 def range_record(unknowns: int) -> np.dtype[np.void]:
-    """`mrts_variant_range` of ranges.c for so many unknowns, c² last.
+    """`mrts_variant_range` of trajectory.c for so many unknowns, c² last.
 
     Of a variant with `status` `OPTIMAL` both ends are known; one with `INFEASIBLE` is so at `sample[0]`, and `rows[0]`
     are those that conflict. Rows are 1 + row at an upper, -1 - row at a lower limit; `count` of them set each end.

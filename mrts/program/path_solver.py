@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Our own interior point for the programs of smooth timing; see mrts/kernel/c/smooth/interior_point.h."""
+"""Our own interior point for the programs of smooth timing; see mrts/kernel/c/smooth_timing.c."""
 
 import ctypes
 from dataclasses import replace
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY, bind, interruptible, structure
-from mrts.kernel.c_text import SMOOTH_FILES, smooth_source
+from mrts.kernel.c_text import SMOOTH, smooth_source
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
@@ -28,12 +28,12 @@ SAME_LENGTH = 1e-9
 """Share by which σ at the end of a path may differ where nodes were added to it: rounding."""
 
 OF_PATH = 2
-"""Slots of the whole path, behind those of the nodes: of the duration, and of the share; see smooth_program.h."""
+"""Slots of the whole path, behind those of the nodes: of the duration, and of the share; see smooth_timing.c."""
 
 FOUND = 0
-"""The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
+"""The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of smooth_timing.c."""
 
-PROGRAM = structure("smooth/smooth_program.h", "mrts_smooth_program")
+PROGRAM = structure("smooth_timing.c", "mrts_smooth_program")
 
 
 class KernelSolver:
@@ -216,5 +216,5 @@ def _arrays(program: SmoothProgram) -> dict[str, int | NDArray[Any]]:
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
     return library_or_rebuilt(
-        find_compiler(), "mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), SMOOTH_FILES)
+        find_compiler(), "mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), (SMOOTH,))
     )

@@ -21,7 +21,7 @@ from mrts.program.successive_steps import StepsTaken
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
 from mrts.timing.path_pieces import PLACES, STRIDE, PathPiece, SmoothPath
 
-JOINT_PATH = structure("dense/path_places.c", "mrts_joint_path")
+JOINT_PATH = structure("arm_tips.c", "mrts_joint_path")
 
 BINDING = 1e-4
 """A limit binds where it is reached to this share: interior points come near limits, not to them."""

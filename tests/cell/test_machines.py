@@ -10,8 +10,7 @@ import pytest
 import yaml
 from machines import TURN, machine, machine_cell
 from mrts_codegen.cell_model import build_cell_model
-from mrts_codegen.equations.inverse_dynamics import inverse_dynamics
-from mrts_codegen.equations.kinematics import forward_kinematics
+from mrts_codegen.equations.arm_dynamics import forward_kinematics, inverse_dynamics
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf

@@ -67,10 +67,10 @@ def test_headers_are_guarded():
 STRUCTURES = {
     "mrts_limits": "rows.h",
     "mrts_terms": "rows.h",
-    "mrts_joint_path": "dense/path_places.c",
-    "mrts_following": "tracking/follow.h",
-    "mrts_outcome": "tracking/follow.h",
-    "mrts_smooth_program": "smooth/smooth_program.h",
+    "mrts_joint_path": "arm_tips.c",
+    "mrts_following": "tracking.c",
+    "mrts_outcome": "tracking.c",
+    "mrts_smooth_program": "smooth_timing.c",
 }
 
 

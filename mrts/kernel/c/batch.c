@@ -34,8 +34,8 @@ MRTS_EXPORT void mrts_lp_batch(long long count, int k, int rows, const double *g
             found = mrts_lp(k, rows, A + n * k * rows, lo, up, g + n * k, basis, x + n * k, y, &entering, work, iwork);
         }
         for (int i = 0; i < rows + k; ++i) d[i] = 0;
-        for (int j = 0; j < k; ++j) d[(basis[j] < 0 ? -basis[j] : basis[j]) - 1] = -y[j];
-        if (entering) d[(entering < 0 ? -entering : entering) - 1] = entering < 0 ? -1 : 1;
+        for (int j = 0; j < k; ++j) d[mrts_abs(basis[j]) - 1] = -y[j];
+        if (entering) d[mrts_abs(entering) - 1] = entering < 0 ? -1 : 1;
         status[n] = (unsigned char)found;
         if (found != MRTS_OPTIMAL) basis[0] = 0;
     }
@@ -54,7 +54,7 @@ MRTS_EXPORT void mrts_qp_batch(long long count, int k, int rows, const double *H
                                            u, &active_count, work, iwork);
         for (int i = 0; i < rows + k; ++i) d[i] = 0;
         for (int j = 0; j < active_count; ++j) {
-            d[(active[j] < 0 ? -active[j] : active[j]) - 1] = active[j] < 0 ? -u[j] : u[j];
+            d[mrts_abs(active[j]) - 1] = active[j] < 0 ? -u[j] : u[j];
         }
     }
 }
@@ -92,7 +92,7 @@ MRTS_EXPORT void mrts_interval_batch(long long count, int k, int rows, const dou
         high[sample] = found.high < MRTS_INFINITY ? found.high * size * (found.high * size) : MRTS_INFINITY;
         gap[sample] = found.gap * size * (found.gap * size);
         for (int j = 0; j < 2 * n; ++j) {
-            const int row = end_basis[j] < 0 ? -end_basis[j] : end_basis[j];
+            const int row = mrts_abs(end_basis[j]);
             double *dual = (j < n ? low_dual : high_dual) + sample * rows;
             if (row > 0 && row <= rows) dual[row - 1] = end_basis[j] < 0 ? -MRTS_ABS(end_dual[j]) : MRTS_ABS(end_dual[j]);
         }

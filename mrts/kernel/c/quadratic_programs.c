@@ -6,6 +6,9 @@
  */
 #include "quadratic_programs.h"
 
+#include "number_type.inc"
+#include "residuals.inc"
+
 /* Cholesky factor of H and the inverse of its transpose, upper triangular, by columns in J; 0 if H is not definite. */
 static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J) {
     for (int j = 0; j < k; ++j) {
@@ -78,18 +81,9 @@ static void mrts_row_of(int k, int rows, const mrts_real *A, int row, mrts_real 
     if (row >= rows) a[row - rows] = sign;
 }
 
-/* One step of refinement of x and u on the active rows: residuals of stationarity and of the rows are solved for. */
-static void mrts_qp_refine(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
-                           const mrts_real *upper, const mrts_real *g, const int *active, int count,
-                           const mrts_real *J, const mrts_real *R, mrts_real *x, mrts_real *u, mrts_real *work) {
-    mrts_real *gradient = work, *w = work + k, *a = work + 2 * k;
-    for (int i = 0; i < k; ++i) gradient[i] = mrts_dot(k, H + i * k, x) + g[i];
-    for (int j = 0; j < count; ++j) {
-        const int at_lower = active[j] < 0, row = (at_lower ? -active[j] : active[j]) - 1;
-        mrts_row_of(k, rows, A, row, at_lower ? 1 : -1, a);
-        for (int i = 0; i < k; ++i) gradient[i] -= u[j] * a[i];
-        w[j] = (at_lower ? lower[row] : -upper[row]) - mrts_dot(k, a, x);
-    }
+/* One step of refinement of x and u on the active rows, whose residuals are solved for. */
+static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real *R, const mrts_real *gradient, mrts_real *w,
+                           mrts_real *x, mrts_real *u) {
     for (int j = 0; j < count; ++j) { /* R'w = what the rows miss */
         for (int i = 0; i < j; ++i) w[j] -= R[j * k + i] * w[i];
         w[j] /= R[j * k + j];
@@ -106,41 +100,10 @@ static void mrts_qp_refine(int k, int rows, const mrts_real *H, const mrts_real 
     }
 }
 
-/* Largest error of stationarity, relative to its terms, of the active rows, and of a multiplier's sign. */
-static mrts_real mrts_qp_error(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
-                               const mrts_real *upper, const mrts_real *g, const int *active, int count,
-                               const mrts_real *x, const mrts_real *u, mrts_real *work) {
-    mrts_real *gradient = work, *a = work + k, size = 0, worst = 0, largest = 0;
-    for (int i = 0; i < k; ++i) {
-        gradient[i] = mrts_dot(k, H + i * k, x) + g[i];
-        if (MRTS_ABS(g[i]) > size) size = MRTS_ABS(g[i]);
-    }
-    for (int j = 0; j < count; ++j) {
-        if (u[j] > largest) largest = u[j];
-    }
-    for (int j = 0; j < count; ++j) {
-        const int at_lower = active[j] < 0, row = (at_lower ? -active[j] : active[j]) - 1;
-        mrts_row_of(k, rows, A, row, at_lower ? 1 : -1, a);
-        const mrts_real limit = at_lower ? lower[row] : -upper[row];
-        const mrts_real missing = MRTS_ABS(limit - mrts_dot(k, a, x)) / (1 + MRTS_ABS(limit));
-        if (!(missing <= worst)) worst = missing;
-        if (lower[row] < upper[row] && -u[j] > worst * largest) worst = largest > 0 ? -u[j] / largest : 1;
-        for (int i = 0; i < k; ++i) {
-            gradient[i] -= u[j] * a[i];
-            if (MRTS_ABS(u[j] * a[i]) > size) size = MRTS_ABS(u[j] * a[i]);
-        }
-    }
-    for (int i = 0; i < k; ++i) {
-        if (!(MRTS_ABS(gradient[i]) <= worst * size)) worst = MRTS_ABS(gradient[i]) / size;
-    }
-    return worst;
-}
-
 MRTS_LOCAL int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
                        const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
                        mrts_real *work, int *iwork) {
     mrts_real *L = work, *J = L + k * k, *R = J + k * k, *a = R + k * k, *d = a + k, *z = d + k, *r = z + k;
-    mrts_real *scratch = r + k;
     int *is_active = iwork;
     const int limit = 20 + 4 * (k + rows);
     int m = 0;
@@ -158,10 +121,11 @@ MRTS_LOCAL int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, 
         const int found = mrts_lp_price(k, rows, A, lower, upper, x, is_active, 0, &excess);
         if (found == 0) {
             *count = m;
-            mrts_qp_refine(k, rows, H, A, lower, upper, g, active, m, J, R, x, u, scratch);
-            mrts_qp_refine(k, rows, H, A, lower, upper, g, active, m, J, R, x, u, scratch);
-            if (!(mrts_qp_error(k, rows, H, A, lower, upper, g, active, m, x, u, scratch) <= MRTS_FEASIBLE)) {
-                return MRTS_STOPPED;
+            for (int turn = 0;; ++turn) {
+                const int fits = mrts_qp_residuals(k, rows, H, A, lower, upper, g, active, m, x, u, d, z);
+                if (turn == 2 && !fits) return MRTS_STOPPED;
+                if (turn == 2) break;
+                mrts_qp_refine(k, m, J, R, d, z, x, u);
             }
             return mrts_lp_price(k, rows, A, lower, upper, x, is_active, 0, &excess) ? MRTS_STOPPED : MRTS_OPTIMAL;
         }

@@ -4,10 +4,33 @@
  * rows put together, and the programs solved, each started from the answer at the sample before: several samples at a time
  * where that still holds, one by one where it does not.
  */
-#include "lanes/kept_torques.h"
+#include "lanes/lanes.h"
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
-#include "trajectory.h"
+
+/* Rounding of an answer at the bound of c^2, as a share. */
+#define MRTS_AT_UNBOUNDED 1e-9
+
+/* The terms of a sample, of those of all samples one after the other. */
+static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
+    const long long torques = sample * MRTS_JOINTS, limits = sample * rows;
+    mrts_terms here;
+    here.torque_square = all->torque_square ? all->torque_square + torques : 0;
+    here.torque_offset = all->torque_offset ? all->torque_offset + torques : 0;
+    here.square = all->square ? all->square + limits : 0;
+    here.offset = all->offset ? all->offset + limits : 0;
+    here.margin = all->margin ? all->margin + limits : 0;
+    here.torque_speed = all->torque_speed ? all->torque_speed + torques : 0;
+    here.speed = all->speed ? all->speed + limits : 0;
+    return here;
+}
+
+/* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
+static inline short mrts_row_of_limits(const mrts_limits *limits, const mrts_rows *rows, int code) {
+    const int row = mrts_abs(code) - 1;
+    const int place = row < rows->count ? rows->which[row] : limits->rows + row - rows->count;
+    return (short)(code < 0 ? -place - 1 : place + 1);
+}
 
 /* The wrench form at all samples, as mrts_map gives it, `size` numbers of each output. */
 MRTS_EXPORT void mrts_forms(long long count, const double *const *in, const long long *stride, double *const *out,
@@ -93,20 +116,14 @@ static void mrts_try_bases(const mrts_samples *samples, const mrts_rows *rows, i
     by->kept = samples->finite;
     for (int end = 0; end < 2; ++end) {
         double g[K] = {0};
-        int row[K], side[K];
         if (basis[end][0] == 0) {
             by->kept = (mrts_lane_mask){0};
             return;
         }
         g[K - 1] = end ? -1 : 1;
-        for (int j = 0; j < K; ++j) {
-            row[j] = mrts_abs(basis[end][j]) - 1;
-            side[j] = basis[end][j];
-        }
-        by->kept &= mrts_kept_basis_lanes(K, of->count, of->A, of->lower, of->upper, g, row, side, by->x[end], by->y[end], B,
+        by->kept &= mrts_kept_basis_lanes(K, of->count, of->A, of->lower, of->upper, g, basis[end], by->x[end], by->y[end], B,
                                           rest);
-        for (int j = 0; j < K; ++j) basis[end][j] = side[j]; /* in the order of their pivots */
-        mrts_codes(samples->limits, rows, side, by->code[end]);
+        mrts_codes(samples->limits, rows, basis[end], by->code[end]);
     }
 }
 
@@ -228,6 +245,57 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     return 0;
 }
 
+/*
+ * The least torques of several samples: the minimiser on the active rows of the sample before, refined twice and verified.
+ */
+
+/* The quadratic programs of the torques of several samples, over the scaled free wrenches. */
+typedef struct {
+    const mrts_rows_lanes *rows;
+    mrts_lanes H[MRTS_UNKNOWNS * MRTS_UNKNOWNS], g[MRTS_UNKNOWNS];
+    mrts_lanes L[MRTS_UNKNOWNS * MRTS_UNKNOWNS]; /* H = L L', on the diagonal the reciprocals */
+    mrts_lanes x[MRTS_UNKNOWNS];                 /* the answer */
+} mrts_lane_program;
+
+/* Of which samples the active rows, coded as those of mrts_qp, are those of the minimiser, verified as there. */
+static mrts_lane_mask mrts_kept_torques(mrts_lane_program *program, const int *active, int count) {
+    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
+    const mrts_rows_lanes *rows = program->rows;
+    mrts_lanes W[K * K], S[K * K], factor[K * K], u[K], gradient[K], missing[K];
+    for (int j = 0; j < count; ++j) { /* L w = a of each active row, and their products */
+        const mrts_lanes *a = rows->A + (mrts_abs(active[j]) - 1) * F;
+        for (int i = 0; i < F; ++i) W[j * F + i] = active[j] < 0 ? a[i] : -a[i];
+        mrts_lane_forward(F, program->L, W + j * F);
+        for (int l = 0; l <= j; ++l) {
+            S[j * count + l] = mrts_each(0);
+            for (int i = 0; i < F; ++i) S[j * count + l] += W[j * F + i] * W[l * F + i];
+        }
+        u[j] = mrts_each(0);
+    }
+    mrts_lane_cholesky(count, S, factor);
+    for (int i = 0; i < F; ++i) program->x[i] = mrts_each(0);
+    for (int pass = 0; pass < 3; ++pass) { /* the minimiser on the rows, and two refinements of it */
+        mrts_qp_residuals_lanes(F, rows->count, program->H, rows->A, rows->lower, rows->upper, program->g, active, count,
+                                program->x, u, gradient, missing);
+        for (int i = 0; i < F; ++i) gradient[i] = -gradient[i];
+        mrts_lane_forward(F, program->L, gradient);
+        for (int j = 0; j < count; ++j) {
+            for (int i = 0; i < F; ++i) missing[j] -= W[j * F + i] * gradient[i];
+        }
+        mrts_lane_forward(count, factor, missing);
+        mrts_lane_backward(count, factor, missing);
+        for (int j = 0; j < count; ++j) {
+            u[j] += missing[j];
+            for (int i = 0; i < F; ++i) gradient[i] += missing[j] * W[j * F + i];
+        }
+        mrts_lane_backward(F, program->L, gradient);
+        for (int i = 0; i < F; ++i) program->x[i] += gradient[i];
+    }
+    return mrts_kept_feasible_lanes(F, rows->count, rows->A, rows->lower, rows->upper, program->x) &
+           mrts_qp_residuals_lanes(F, rows->count, program->H, rows->A, rows->lower, rows->upper, program->g, active, count,
+                                   program->x, u, gradient, missing);
+}
+
 /* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits move outward by
  * `widening` of their unit where they are not equal; `terms` as in mrts_ranges. */
 MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
@@ -281,4 +349,302 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
         }
     }
     return 0;
+}
+
+/*
+ * The range of c^2 over the whole motion of many variants: the intersection of those of their samples, and what sets its ends.
+ */
+
+/* Most rows that are named at an end, or near to it. */
+#define MRTS_MOST_NAMED (4 * MRTS_UNKNOWNS)
+
+enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
+
+/* Where a variant's range ends, and why. */
+typedef struct {
+    int status;    /* MRTS_OPTIMAL, MRTS_INFEASIBLE at sample[0], or MRTS_STOPPED */
+    int capped;    /* whether limits of the motion alone bound the largest c^2 */
+    int sample[2]; /* of the least and the largest c^2, the first of those that differ by rounding only; -1: none sets it */
+    int count[2];  /* of the rows that set each end there; of rows[0] those of the certificate of MRTS_INFEASIBLE */
+    int rows[2][MRTS_MOST_NAMED]; /* 1 + row at an upper, -1 - row at a lower limit, in their order */
+    double c2[2];
+} mrts_variant_range;
+
+/*
+ * The rows that set an end of a variant's range, and those that conflict where it has none.
+ */
+
+/* As of mrts/program: a multiplier above this share of the largest binds; limits are moved outward by this share of
+ * themselves, and a row is at its limit if no solution keeps further away than this share. One above MRTS_SURE is so in
+ * any case. */
+#define MRTS_BINDING 1e-7
+#define MRTS_WIDER 3e-9
+#define MRTS_NEAR 1e-4
+#define MRTS_SURE 1e-2
+
+/* Adds a row, coded as of a program, in its place; 0 if there is no more room. */
+static int mrts_name(const mrts_limits *limits, const mrts_rows *rows, int code, int end, mrts_variant_range *range) {
+    const int row = mrts_row_of_limits(limits, rows, code);
+    int *named = range->rows[end], at = range->count[end];
+    if (at == MRTS_MOST_NAMED) return 0;
+    for (; at > 0 && mrts_abs(named[at - 1]) > mrts_abs(row); --at) named[at] = named[at - 1];
+    named[at] = row;
+    ++range->count[end];
+    return 1;
+}
+
+/* The largest distance, at most 1, that wrenches within all limits can keep from some sides of rows at once, or more
+ * than that where rounding leaves it open: what a program stops at is on the far side. `rows` has c^2 put in. */
+static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides, double *work, int *iwork) {
+    enum { K = MRTS_VK, F = MRTS_VF };
+    double *A = work, *lower = A + (rows->count + MRTS_MOST_NAMED) * K, *upper = lower + rows->count + MRTS_MOST_NAMED + K;
+    double g[K], x[K], y[K];
+    int basis[K] = {0}, entering;
+    const int total = rows->count + count;
+    for (int i = 0; i < total; ++i) {
+        const int code = i < rows->count ? i + 1 : sides[i - rows->count], row = mrts_abs(code) - 1;
+        for (int j = 0; j < F; ++j) A[i * K + j] = code > 0 ? rows->A[row * F + j] : -rows->A[row * F + j];
+        A[i * K + F] = i < rows->count ? 0 : 1;
+        lower[i] = i < rows->count ? rows->lower[i] : -MRTS_INFINITY;
+        upper[i] = code > 0 ? rows->upper[row] : -rows->lower[row];
+    }
+    for (int j = 0; j < K; ++j) {
+        lower[total + j] = j < F ? -MRTS_INFINITY : 0;
+        upper[total + j] = j < F ? MRTS_INFINITY : 1;
+        g[j] = j < F ? 0 : -1;
+    }
+    mrts_lp(K, total, A, lower, upper, g, basis, x, y, &entering, upper + rows->count + MRTS_MOST_NAMED + K, iwork);
+    return x[F];
+}
+
+/* Names the rows that are at their limit in every solution at an end, as mrts/program/range_ends.py does: those with a
+ * multiplier that cannot be rounding, and of those near their limit in the solution found the ones that no other keeps
+ * away from it. `sample` has the rows of one sample, not scaled, in its first lane. */
+static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, double c2, const double *x,
+                              const int *basis, const double *y, mrts_variant_range *range, double *work, int *iwork) {
+    enum { K = MRTS_VK, F = MRTS_VF };
+    const mrts_limits *limits = sample->limits;
+    int near[MRTS_MOST_NAMED], count = 0, sure[K], certain = 0;
+    double largest = 0, column[K];
+    for (int j = 0; j < K; ++j) largest = fmax(largest, fabs(y[j]));
+    for (int j = 0; j < K; ++j) {
+        const int row = mrts_abs(basis[j]) - 1;
+        if (end && row >= rows->count && basis[j] > 0) range->capped = fabs(y[j]) > MRTS_BINDING * largest;
+        if (row < rows->count && fabs(y[j]) > MRTS_SURE * largest) sure[certain++] = basis[j];
+    }
+    mrts_rows_of_lane(K, sample, 0, rows);
+    mrts_fix_speed(K, limits, c2, MRTS_WIDER, rows);
+    for (int i = 0; i < rows->count; ++i) {
+        const double value = mrts_dot(F, rows->A + i * F, x);
+        if (!(rows->upper[i] - rows->lower[i] > 2 * MRTS_NEAR)) continue;
+        for (int code = i + 1; code >= -i - 1; code -= 2 * i + 2) {
+            int is_sure = 0;
+            if ((code > 0 ? rows->upper[i] - value : value - rows->lower[i]) > MRTS_NEAR) continue;
+            for (int j = 0; j < certain; ++j) is_sure |= sure[j] == code;
+            if (is_sure && !mrts_name(limits, rows, code, end, range)) return 0;
+            if (is_sure) continue;
+            if (count == MRTS_MOST_NAMED) return 0;
+            near[count++] = code;
+        }
+    }
+    if (count == 0) return 1;
+    mrts_scale_columns(F, rows, column);
+    if (mrts_keep_away(rows, count, near, work, iwork) > MRTS_NEAR) return 1;
+    for (int i = 0; i < count; ++i) {
+        if (mrts_keep_away(rows, 1, near + i, work, iwork) > MRTS_NEAR) continue;
+        if (!mrts_name(limits, rows, near[i], end, range)) return 0;
+    }
+    return 1;
+}
+
+/* Names the rows of a certificate, whose limits exclude each other: of the basis those with a multiplier, and the one
+ * that was to enter. Bounds of c^2 are none. */
+static void mrts_name_conflict(const mrts_limits *limits, const mrts_rows *rows, const int *basis, const double *y,
+                               int entering, mrts_variant_range *range) {
+    double largest = 1;
+    range->count[0] = 0;
+    for (int j = 0; j < MRTS_VK; ++j) largest = fmax(largest, fabs(y[j]));
+    for (int j = -1; j < MRTS_VK; ++j) {
+        const int row = mrts_abs(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
+        if (row > rows->count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
+        mrts_name(limits, rows, above ? row : -row, 0, range);
+    }
+}
+
+/* Share of an end by which another sample's may differ and still count as the same: twice that of the samples that tie.
+ */
+#define MRTS_TIE 1e-7
+
+/* A sample is at rest where c^2 moves no row by more than this share of what it does elsewhere. */
+#define MRTS_REST 1e-12
+
+/* What mrts_ranges takes and finds at the samples of a variant. */
+typedef struct {
+    double *columns; /* of the rotations, as generated functions want them */
+    double *most, *end[2], *effect;
+    float *dual[2];
+    short *basis[2];
+    unsigned char *status[2];
+} mrts_samples_found;
+
+/* Reals of memory of a sample. */
+#define MRTS_SAMPLE_FOUND (14 + 2 * MRTS_VK)
+
+static mrts_samples_found mrts_found_in(long long samples, double *memory) {
+    mrts_samples_found in;
+    in.columns = memory;
+    in.most = in.columns + 9 * samples;
+    in.effect = in.most + samples;
+    for (int end = 0; end < 2; ++end) in.end[end] = in.effect + (end + 1) * samples;
+    for (int end = 0; end < 2; ++end) in.dual[end] = (float *)(in.end[1] + samples) + end * MRTS_VK * samples;
+    for (int end = 0; end < 2; ++end) in.basis[end] = (short *)(in.dual[1] + MRTS_VK * samples) + end * MRTS_VK * samples;
+    for (int end = 0; end < 2; ++end) in.status[end] = (unsigned char *)(in.basis[1] + MRTS_VK * samples) + end * samples;
+    return in;
+}
+
+/* What is looked at of a variant, and with what. */
+typedef struct {
+    long long samples;
+    const double *const *inputs; /* of the wrench form */
+    mrts_samples_found found;
+    mrts_samples here;
+    mrts_rows rows;
+    double *work;
+    int *iwork;
+} mrts_variant_motion;
+
+/* How far apart the inputs of two samples lie. */
+static const long long mrts_apart[] = {MRTS_JOINTS, MRTS_JOINTS, MRTS_JOINTS, 9, 6, 6, 0, 0};
+
+/* The least (end 0) or largest c^2 of sample n, as mrts_ranges finds it, started cold; the status of its program, with
+ * wrenches x that go with it, and the rows and multipliers that determine it or prove that there is none. */
+static int mrts_exact_end(mrts_variant_motion *in, long long n, int end, int *basis, double *c2, double *x, double *y,
+                          int *entering) {
+    enum { K = MRTS_VK };
+    mrts_rows *rows = &in->rows;
+    double g[K] = {0}, column[K];
+    mrts_take_samples(in->inputs, mrts_apart, n, n + 1, 1, &in->here);
+    if (!in->here.finite[0]) return MRTS_STOPPED;
+    mrts_rows_of_lane(K, &in->here, 0, rows);
+    mrts_scale_columns(K, rows, column);
+    mrts_bound_speed(K, in->found.most[n], column, rows);
+    g[K - 1] = end ? -1 : 1;
+    basis[0] = 0;
+    const int status = mrts_lp(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, entering, in->work, in->iwork);
+    *c2 = x[K - 1] * column[K - 1];
+    for (int j = 0; j < K - 1; ++j) x[j] *= column[j];
+    if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) *c2 = MRTS_INFINITY;
+    return status;
+}
+
+/* An end of a range, c^2, and the first of the samples that set it: from cold starts, so that what is found is the same
+ * whatever came before. */
+static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant_range *range) {
+    enum { K = MRTS_VK };
+    double x[K], y[K], its;
+    int basis[K], entering;
+    long long at = -1, first = -1;
+    range->sample[end] = -1;
+    range->count[end] = range->capped = 0;
+    range->c2[end] = c2 < MRTS_INFINITY ? c2 : INFINITY;
+    if (end ? c2 >= MRTS_INFINITY : c2 <= 0) return MRTS_OPTIMAL;
+    for (long long n = 0; n < in->samples; ++n) {
+        its = in->found.end[end][n];
+        if (at < 0 && its == c2) at = n;
+        if (first < 0 && (end ? its <= c2 + MRTS_TIE * c2 : its >= c2 - MRTS_TIE * c2)) first = n;
+    }
+    range->sample[end] = (int)first;
+    int status = mrts_exact_end(in, at, end, basis, range->c2 + end, x, y, &entering);
+    its = range->c2[end];
+    if (status == MRTS_OPTIMAL && first != at) status = mrts_exact_end(in, first, end, basis, &its, x, y, &entering);
+    if (status != MRTS_OPTIMAL) return status;
+    return mrts_name_rows(&in->here, &in->rows, end, its, x, basis, y, range, in->work, in->iwork) ? MRTS_OPTIMAL : MRTS_STOPPED;
+}
+
+/* Why a sample has no range: the limits that conflict there. */
+static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_range *range) {
+    double x[MRTS_VK], y[MRTS_VK], c2;
+    int basis[MRTS_VK], entering;
+    const int status = mrts_exact_end(in, n, 0, basis, &c2, x, y, &entering);
+    range->sample[0] = (int)n;
+    if (status != MRTS_INFEASIBLE) return MRTS_STOPPED;
+    mrts_name_conflict(in->here.limits, &in->rows, basis, y, entering, range);
+    return status;
+}
+
+/* The range of one variant, of whose samples those are known. */
+static int mrts_range_of_variant(mrts_variant_motion *in, mrts_variant_range *range) {
+    const mrts_samples_found *found = &in->found;
+    double largest = 0, low = 0, high = MRTS_INFINITY;
+    for (long long n = 0; n < in->samples; ++n) largest = fmax(largest, found->effect[n]);
+    if (!(largest < MRTS_INFINITY)) return MRTS_STOPPED;
+    for (long long n = 0; n < in->samples; ++n) {
+        const int at_rest = found->effect[n] <= MRTS_REST * largest;
+        if (found->status[0][n] == MRTS_INFEASIBLE) return mrts_conflict(in, n, range);
+        if (found->status[0][n] != MRTS_OPTIMAL || found->status[1][n] != MRTS_OPTIMAL) return MRTS_STOPPED;
+        if (at_rest && found->end[0][n] > 0) return MRTS_STOPPED;
+        if (at_rest || !(found->end[1][n] < INFINITY)) found->end[1][n] = found->most[n];
+        if (found->end[0][n] > low) low = found->end[0][n];
+        if (found->end[1][n] < high) high = found->end[1][n];
+    }
+    const int status = mrts_settle(in, 0, low, range);
+    return status == MRTS_OPTIMAL ? mrts_settle(in, 1, high, range) : status;
+}
+
+/* Reals and ints of work of mrts_variant_ranges. */
+MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *reals, long long *ints) {
+    const int most = 2 * rows + MRTS_MOST_NAMED;
+    long long of_ranges, ints_of_ranges;
+    mrts_ranges_work(rows, &of_ranges, &ints_of_ranges);
+    *reals = MRTS_ROWS_WORK(MRTS_VK, rows) + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK) + MRTS_SAMPLES_WORK(rows) +
+             (long long)samples * MRTS_SAMPLE_FOUND + of_ranges;
+    *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_VK, most) + ints_of_ranges;
+}
+
+/* The ranges of variants 0 .. count - 1 of the same number of samples, from arrays of all one after the other; a
+ * stride, in reals from one variant to the next, is 0 where they share one. Which limits there are is the same for all:
+ * `limits` has the rows, each variant its own lower and upper sides and values. Variants with `skipped` are passed
+ * over. */
+MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const double *const *given,
+                                     const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
+                                     const unsigned char *skipped, mrts_variant_range *range, double *work,
+                                     int *iwork) {
+    enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, MOST, LOWER, UPPER, VALUES, GIVEN };
+    const int most = 2 * limits->rows + MRTS_MOST_NAMED;
+    mrts_limits here = *limits;
+    double base[9 * MRTS_ROBOTS];
+    mrts_variant_motion in = {.samples = samples};
+    in.work = work + MRTS_ROWS_WORK(MRTS_VK, limits->rows);
+    in.iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
+    double *samples_work = in.work + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK);
+    double *found_in = samples_work + MRTS_SAMPLES_WORK(limits->rows), *ranges_work = found_in + samples * MRTS_SAMPLE_FOUND;
+    int *ranges_iwork = in.iwork + MRTS_LP_IWORK(MRTS_VK, most);
+    const mrts_samples_found found = in.found = mrts_found_in(samples, found_in);
+    for (long long v = 0; v < count; ++v) {
+        const double *of[GIVEN];
+        if (skipped[v]) continue;
+        for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
+        const double *const inputs[] = {of[Q],     of[DQ],           of[DDQ],  found.columns,
+                                        of[TWIST], of[ACCELERATION], of[LOAD], of[GEOMETRY]};
+        const mrts_terms own = mrts_terms_of_sample(terms, v * samples, limits->rows);
+        here.lower = of[LOWER];
+        here.upper = of[UPPER];
+        here.value = of[VALUES];
+        if (limits->base) here.base = base;
+        for (int i = 0; limits->base && i < 9 * MRTS_ROBOTS; ++i) {
+            base[i] = MRTS_ARM(of[GEOMETRY], i / 9)->base_rotation[3 * (i % 9 / 3) + limits->axes[i % 3]];
+        }
+        for (long long n = 0; n < samples; ++n) {
+            for (int i = 0; i < 9; ++i) found.columns[9 * n + i] = of[ROTATION][9 * n + 3 * (i % 3) + i / 3];
+            found.most[n] = of[MOST][n];
+        }
+        range[v].status = MRTS_STOPPED;
+        if (!mrts_rows_over(MRTS_VK, &here, work, iwork, &in.rows)) continue;
+        mrts_ranges(samples, inputs, mrts_apart, &here, &own, found.most, found.end[0], found.end[1], found.status[0],
+                    found.status[1], found.effect, found.basis[0], found.basis[1], found.dual[0], found.dual[1],
+                    ranges_work, ranges_iwork);
+        in.inputs = inputs;
+        mrts_samples_in(&here, &own, &in.rows, samples_work, &in.here);
+        range[v].status = mrts_range_of_variant(&in, range + v);
+    }
 }

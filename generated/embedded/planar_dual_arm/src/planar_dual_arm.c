@@ -111,16 +111,8 @@ static void point_to(const planar_dual_arm_sample *sample, const mrts_real *load
 void planar_dual_arm_terms(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_terms_of_sample *terms) {
     mrts_real turned[9];
     const mrts_real *arg[7];
-    mrts_real *res[8];
+    mrts_real *const res[] = {terms->E, terms->A, terms->G, terms->J, terms->B, terms->P, terms->S, terms->Q};
     point_to(sample, settings->load, turned, arg);
-    res[0] = terms->E;
-    res[1] = terms->A;
-    res[2] = terms->G;
-    res[3] = terms->J;
-    res[4] = terms->B;
-    res[5] = terms->P;
-    res[6] = terms->S;
-    res[7] = terms->Q;
     planar_dual_arm_model_terms(arg, res);
 }
 
@@ -203,13 +195,9 @@ typedef char form_holds[HOLDS(form, mrts_real, MRTS_FORM_WORK(K, JOINTS, WRENCHE
 static mrts_form wrench_form(const planar_dual_arm_sample *sample, const mrts_real *load, planar_dual_arm_workspace *workspace) {
     mrts_real turned[9];
     const mrts_real *arg[7];
-    mrts_real *res[4];
     const mrts_form form = mrts_form_in(K, JOINTS, WRENCHES, workspace->form);
+    mrts_real *const res[] = {form.torque_map, form.torque_offset, form.wrench_map, form.wrench_offset};
     point_to(sample, load, turned, arg);
-    res[0] = form.torque_map;
-    res[1] = form.torque_offset;
-    res[2] = form.wrench_map;
-    res[3] = form.wrench_offset;
     planar_dual_arm_model_wrench_form(arg, res);
     return form;
 }
@@ -382,9 +370,10 @@ planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sa
 
 static planar_dual_arm_status share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
                                  planar_dual_arm_workspace *workspace) {
-    mrts_real turned[9], shares[PLANAR_DUAL_ARM_ROBOTS], internal[WRENCHES], *res[4];
+    mrts_real turned[9], shares[PLANAR_DUAL_ARM_ROBOTS], internal[WRENCHES];
     const mrts_real *arg[9];
     mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
+    mrts_real *const res[] = {form.torque_map, form.torque_offset, form.wrench_map, form.wrench_offset};
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
@@ -395,10 +384,6 @@ static planar_dual_arm_status share_range(const planar_dual_arm_sample *sample, 
     point_to(sample, settings->load, turned, arg);
     arg[7] = shares;
     arg[8] = internal;
-    res[0] = form.torque_map;
-    res[1] = form.torque_offset;
-    res[2] = form.wrench_map;
-    res[3] = form.wrench_offset;
     planar_dual_arm_model_fixed_distribution(arg, res);
     const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
     if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {

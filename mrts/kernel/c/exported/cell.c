@@ -22,9 +22,6 @@
 #if CELL_POINTS || CELL_THINGS
 #include "../point_motion.h"
 #endif
-#if CELL_THINGS
-#include "../standing.h"
-#endif
 #endif
 #if CELL_HAS_FORM || CELL_HAS_SPEEDS
 #include "../linear_programs.c"
@@ -199,16 +196,8 @@ static mrts_real dry_friction(const cell_sample *sample, const cell_settings *se
 void cell_terms(const cell_sample *sample, const cell_settings *settings, cell_terms_of_sample *terms) {
     mrts_real turned[9];
     const mrts_real *arg[7];
-    mrts_real *res[8];
+    mrts_real *const res[] = {terms->E, terms->A, terms->G, terms->J, terms->B, terms->P, terms->S, terms->Q};
     point_to(sample, settings->load, turned, arg);
-    res[0] = terms->E;
-    res[1] = terms->A;
-    res[2] = terms->G;
-    res[3] = terms->J;
-    res[4] = terms->B;
-    res[5] = terms->P;
-    res[6] = terms->S;
-    res[7] = terms->Q;
     cell_model_terms(arg, res);
 #if CELL_MOTORS
     for (int joint = 0; joint < JOINTS; ++joint) {
@@ -305,6 +294,46 @@ static void cap_points(const cell_sample *sample, const cell_settings *settings,
 }
 #endif
 #if CELL_THINGS
+
+/* Values of c^2 from low to high, high MRTS_INFINITY where nothing bounds it; low is MRTS_INFINITY where there is none. */
+typedef struct {
+    mrts_real low, high;
+} mrts_span;
+
+/* Those >= 0 with slope c^2 + offset <= 0. */
+static inline mrts_span mrts_span_below(mrts_real slope, mrts_real offset) {
+    mrts_span found = {0, MRTS_INFINITY};
+    if (slope > 0) found.high = -offset / slope;
+    if (offset > 0) found.low = slope < 0 ? offset / -slope : MRTS_INFINITY;
+    return found;
+}
+
+/* Those >= 0 with which what a thing takes from the object, s = square c^2 + offset, lies in the cone of its friction:
+ * |(s_0, s_1)| <= friction s_2. Of a quadratic a c^4 + 2 b c^2 + d <= 0 that is what lies on the side with s_2 >= 0. */
+static inline mrts_span mrts_span_in_cone(const mrts_real *square, const mrts_real *offset, mrts_real friction) {
+    const mrts_span nothing = {MRTS_INFINITY, MRTS_INFINITY};
+    const mrts_real steep = friction * friction;
+    const mrts_real a = mrts_dot(2, square, square) - steep * square[2] * square[2];
+    const mrts_real b = mrts_dot(2, square, offset) - steep * square[2] * offset[2];
+    const mrts_real d = mrts_dot(2, offset, offset) - steep * offset[2] * offset[2];
+    const mrts_real along = square[0] * offset[2] - square[2] * offset[0], across = square[1] * offset[2] - square[2] * offset[1];
+    const mrts_real aside = square[0] * offset[1] - square[1] * offset[0];
+    const mrts_real lost = MRTS_ZERO * steep * mrts_dot(3, square, square) * mrts_dot(3, offset, offset);
+    mrts_real root = steep * (along * along + across * across) - aside * aside; /* b^2 - a d, without cancellation */
+    if (root < 0 && root >= -lost) root = 0; /* of a thing that is lifted straight up both are one direction */
+    mrts_span found = a == 0 ? mrts_span_below(2 * b, d) : nothing;
+    if (a != 0 && root >= 0) {
+        const mrts_real sum = b < 0 ? MRTS_SQRT(root) - b : -MRTS_SQRT(root) - b;
+        const mrts_real one = sum / a, other = sum != 0 ? d / sum : 0;
+        const int rises = a < 0 && square[2] > 0, falls = a < 0 && square[2] < 0;
+        found.low = falls ? 0 : rises ? mrts_larger(one, other) : one < other ? one : other;
+        found.high = rises ? MRTS_INFINITY : falls ? (one < other ? one : other) : mrts_larger(one, other);
+    }
+    const mrts_span pressed = mrts_span_below(-square[2], -offset[2]);
+    found.low = mrts_larger(mrts_larger(found.low, pressed.low), 0);
+    if (pressed.high < found.high) found.high = pressed.high;
+    return found.low <= found.high ? found : nothing;
+}
 
 /* Narrows a span to another one, of a limit. */
 static void narrow(mrts_span *span, mrts_span other, int limit, int binding[2]) {
@@ -428,8 +457,9 @@ static mrts_real motion_cap(const cell_sample *sample, const cell_settings *sett
  * them, and by how much dry friction in both directions narrows limits. */
 static mrts_terms motor_terms(const cell_sample *sample, const cell_settings *settings, mrts_real speed,
                               cell_workspace *workspace) {
+    const mrts_terms terms = {workspace->torque_square, workspace->torque_offset, 0,                   workspace->row_offset,
+                              workspace->row_margin,    workspace->torque_speed,  workspace->row_speed};
     mrts_real turning[JOINTS];
-    mrts_terms terms;
     for (int joint = 0; joint < JOINTS; ++joint) {
         const mrts_real viscous = settings->viscous[joint] * sample->dq[joint];
         workspace->torque_square[joint] = settings->armature[joint] * sample->ddq[joint];
@@ -449,13 +479,6 @@ static mrts_terms motor_terms(const cell_sample *sample, const cell_settings *se
     }
 #endif
     for (int row = 0; row < ROWS; ++row) workspace->row_offset[row] = workspace->row_speed[row] * speed;
-    terms.torque_square = workspace->torque_square;
-    terms.torque_offset = workspace->torque_offset;
-    terms.square = 0;
-    terms.offset = workspace->row_offset;
-    terms.margin = workspace->row_margin;
-    terms.torque_speed = workspace->torque_speed;
-    terms.speed = workspace->row_speed;
     return terms;
 }
 #endif
@@ -495,13 +518,9 @@ typedef char form_holds[HOLDS(form, mrts_real, MRTS_FORM_WORK(K, JOINTS, WRENCHE
 static mrts_form wrench_form(const cell_sample *sample, const mrts_real *load, cell_workspace *workspace) {
     mrts_real turned[9];
     const mrts_real *arg[7];
-    mrts_real *res[4];
     const mrts_form form = mrts_form_in(K, JOINTS, WRENCHES, workspace->form);
+    mrts_real *const res[] = {form.torque_map, form.torque_offset, form.wrench_map, form.wrench_offset};
     point_to(sample, load, turned, arg);
-    res[0] = form.torque_map;
-    res[1] = form.torque_offset;
-    res[2] = form.wrench_map;
-    res[3] = form.wrench_offset;
     cell_model_wrench_form(arg, res);
     return form;
 }
@@ -851,9 +870,10 @@ static cell_status share_of_speed(mrts_rows *rows, mrts_real most, int fastest, 
 
 static cell_status share_range(const cell_sample *sample, const cell_settings *settings, cell_range *range,
                                  cell_workspace *workspace) {
-    mrts_real turned[9], shares[CELL_ROBOTS], internal[WRENCHES], *res[4];
+    mrts_real turned[9], shares[CELL_ROBOTS], internal[WRENCHES];
     const mrts_real *arg[9];
     mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
+    mrts_real *const res[] = {form.torque_map, form.torque_offset, form.wrench_map, form.wrench_offset};
     mrts_rows rows;
     int fastest;
     range->lower = range->upper = 0;
@@ -864,10 +884,6 @@ static cell_status share_range(const cell_sample *sample, const cell_settings *s
     point_to(sample, settings->load, turned, arg);
     arg[7] = shares;
     arg[8] = internal;
-    res[0] = form.torque_map;
-    res[1] = form.torque_offset;
-    res[2] = form.wrench_map;
-    res[3] = form.wrench_offset;
     cell_model_fixed_distribution(arg, res);
     const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
     if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {

@@ -55,39 +55,167 @@ typedef struct {
 #define MRTS_SAMPLES_WORK(rows)                                                                                   \
     (MRTS_LANES * (MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES) + 2 * MRTS_JOINTS + 3 * (rows) +     \
                    MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES) + (rows) * MRTS_UNKNOWNS + 2 * (rows) + 3 * MRTS_UNKNOWNS))
-MRTS_LOCAL void mrts_samples_in(const mrts_limits *limits, const mrts_terms *terms, const mrts_rows *rows, double *memory,
-                                mrts_samples *samples);
+
+/*
+ * Sines and cosines of lanes are off by no more than half a unit in the last place of 1: rotations need no more, where they
+ * are all but 0 neither. The argument less a multiple of pi / 2, in two parts, and the polynomials of FreeBSD's msun
+ * (k_sin, k_cos, Sun Microsystems, 1993). An angle of more than MRTS_MOST_ANGLE is left to the C library.
+ */
+
+#define MRTS_PER_QUARTER 6.36619772367581382433e-01  /* 2 / pi */
+#define MRTS_QUARTER 1.57079632673412561417e+00      /* the first 33 bits of pi / 2 */
+#define MRTS_QUARTER_REST 6.07710050650619224932e-11 /* and the rest */
+#define MRTS_ROUNDER 6755399441055744.0              /* 1.5 * 2^52: what is added to it is rounded to a whole number */
+#define MRTS_MOST_ANGLE 1e5                          /* a multiple of 33 bits is exact [rad] */
+
+/* The sine and the cosine of lanes. */
+static inline void mrts_sine_cosine(mrts_lanes angle, mrts_lanes *both) {
+    const mrts_lanes shifted = angle * MRTS_PER_QUARTER + MRTS_ROUNDER, turns = shifted - MRTS_ROUNDER;
+    const mrts_lanes first = angle - turns * MRTS_QUARTER, less = turns * MRTS_QUARTER_REST;
+    const mrts_lanes x = first - less, tail = (first - x) - less, z = x * x, half = 0.5 * z, w = 1 - half;
+    const mrts_lanes of_sine = 8.33333333332248946124e-03 +
+                               z * (-1.98412698298579493134e-04 +
+                                    z * (2.75573137070700676789e-06 +
+                                         z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)));
+    const mrts_lanes of_cosine = z * (4.16666666666666019037e-02 +
+                                      z * (-1.38888888888741095749e-03 +
+                                           z * (2.48015872894767294178e-05 +
+                                                z * (-2.75573143513906633035e-07 +
+                                                     z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))));
+    const mrts_lanes cube = z * x;
+    const mrts_lanes sine = x - ((z * (0.5 * tail - cube * of_sine) - tail) - cube * -1.66666666666666324348e-01);
+    const mrts_lanes cosine = w + (((1 - w) - half) + (z * of_cosine - x * tail));
+    /* the lowest bits of what was shifted count the quarters */
+    const mrts_lane_mask quarters = (mrts_lane_mask)shifted, odd = (quarters & 1) != 0;
+    both[0] = (mrts_lanes)((mrts_lane_mask)mrts_choose(odd, cosine, sine) ^ (quarters & 2) << 62);
+    both[1] = (mrts_lanes)((mrts_lane_mask)mrts_choose(odd, sine, cosine) ^ ((quarters + 1) & 2) << 62);
+    const mrts_lane_mask near = mrts_sizes(angle) <= MRTS_MOST_ANGLE;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) {
+        if (near[lane]) continue;
+        both[0][lane] = sin(angle[lane]);
+        both[1][lane] = cos(angle[lane]);
+    }
+}
+
+/* Sines and cosines of some angles, both of one after the other. */
+static inline void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *both) {
+    for (int i = 0; i < count; ++i) mrts_sine_cosine(angle[i], both + 2 * i);
+}
+
+/* H = L L', (k, k), on the diagonal the reciprocals; what is not definite gives no numbers. H and L may be the same. */
+static inline void mrts_lane_cholesky(int k, const mrts_lanes *H, mrts_lanes *L) {
+    for (int j = 0; j < k; ++j) {
+        for (int i = j; i < k; ++i) {
+            mrts_lanes sum = H[i * k + j];
+            for (int l = 0; l < j; ++l) sum -= L[i * k + l] * L[j * k + l];
+            if (i == j) {
+                for (int lane = 0; lane < MRTS_LANES; ++lane) sum[lane] = MRTS_SQRT(sum[lane]);
+                L[j * k + j] = 1 / sum;
+            } else {
+                L[i * k + j] = sum * L[j * k + j];
+            }
+        }
+    }
+}
+
+/* b of L b = b, and of L' b = b. */
+static inline void mrts_lane_forward(int k, const mrts_lanes *L, mrts_lanes *b) {
+    for (int i = 0; i < k; ++i) {
+        mrts_lanes sum = b[i];
+        for (int l = 0; l < i; ++l) sum -= L[i * k + l] * b[l];
+        b[i] = sum * L[i * k + i];
+    }
+}
+
+static inline void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b) {
+    for (int i = k - 1; i >= 0; --i) {
+        mrts_lanes sum = b[i];
+        for (int l = i + 1; l < k; ++l) sum -= L[l * k + i] * b[l];
+        b[i] = sum * L[i * k + i];
+    }
+}
+
+/* One number of each sample, of those of all samples one after the other, `size` each. */
+static inline mrts_lanes mrts_term(const double *all, const long long *at, int size, int place) {
+    mrts_lanes value;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) value[lane] = all[at[lane] * size + place];
+    return value;
+}
+
+/* Takes inputs alone. */
+static inline void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
+                                 int all, mrts_lane_inputs *lanes) {
+    static const int sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
+    mrts_lanes *next = lanes->numbers;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
+    for (int i = 0; i < MRTS_INPUTS; next += sizes[i++]) {
+        const double *own[MRTS_LANES];
+        lanes->arg[i] = next;
+        if (!all && !stride[i]) continue;
+        for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane] = in[i] + lanes->at[lane] * stride[i];
+        for (int number = 0; number < sizes[i]; ++number) {
+            next[number] = (mrts_lanes){own[0][number], own[1][number], own[2][number], own[3][number]};
+        }
+    }
+}
+
+static inline void mrts_samples_in(const mrts_limits *limits, const mrts_terms *terms, const mrts_rows *rows, double *memory,
+                                mrts_samples *samples) {
+    enum { K = MRTS_UNKNOWNS };
+    mrts_lanes *next = (mrts_lanes *)(void *)memory;
+    samples->limits = limits;
+    samples->terms = terms;
+    samples->form = mrts_form_in_lanes(K, MRTS_JOINTS, MRTS_WRENCHES, next);
+    samples->turned = next += MRTS_FORM_WORK(K, MRTS_JOINTS, MRTS_WRENCHES);
+    samples->its_terms = next += MRTS_TURNED_WORK(K, MRTS_WRENCHES);
+    samples->rows.count = rows->count;
+    samples->rows.which = rows->which;
+    samples->rows.unit = rows->unit;
+    samples->rows.A = next += 2 * MRTS_JOINTS + 3 * limits->rows;
+    samples->rows.lower = next += rows->count * K;
+    samples->rows.upper = next += rows->count + K;
+    samples->rows.size = next + rows->count + K;
+}
+
+/* Takes the terms of the samples. */
+static inline void mrts_take_terms(mrts_samples *samples) {
+    const mrts_terms *all = samples->terms;
+    const double *given[] = {all->torque_square, all->torque_offset, all->square, all->offset, all->margin};
+    mrts_terms_lanes *own = &samples->own;
+    const mrts_lanes **taken[] = {&own->torque_square, &own->torque_offset, &own->square, &own->offset, &own->margin};
+    mrts_lanes *next = samples->its_terms;
+    for (int i = 0; i < 5; ++i) {
+        const int size = i < 2 ? MRTS_JOINTS : samples->limits->rows;
+        *taken[i] = given[i] ? next : 0;
+        for (int place = 0; given[i] && place < size; ++place) *next++ = mrts_term(given[i], samples->inputs.at, size, place);
+    }
+}
 
 /* Takes the samples from `first` on, with the inputs that are the same for all only if `all`, and builds their rows; beyond
  * the last sample the last is repeated. */
-MRTS_LOCAL void mrts_take_samples(const double *const *in, const long long *stride, long long first, long long count,
-                                  int all, mrts_samples *samples);
+static inline void mrts_take_samples(const double *const *in, const long long *stride, long long first, long long count,
+                                  int all, mrts_samples *samples) {
+    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    mrts_form_lanes *form = &samples->form;
+    mrts_lanes *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};
+    mrts_lanes sines[2 * M];
+    mrts_take_inputs(in, stride, first, count, all, &samples->inputs);
+    mrts_take_terms(samples);
+    mrts_sines(M, samples->inputs.arg[0], sines);
+    MRTS_WRENCH_FORM_LANES(samples->inputs.arg, sines, res);
+    mrts_add_motors_lanes(K, M, &samples->own, form);
+    mrts_turn_wrenches_lanes(K, MRTS_ROBOTS, MRTS_SIZE, samples->limits, samples->inputs.arg[MRTS_ROTATION], 1, 3,
+                             samples->turned, form);
+    samples->finite = mrts_build_rows_lanes(K, M, N, form, samples->limits, &samples->own, &samples->rows);
+}
 
 /* The rows of one of them over k unknowns; of the unknowns whatever limits they have. */
-MRTS_LOCAL void mrts_rows_of_lane(int k, const mrts_samples *samples, int lane, mrts_rows *rows);
-
-/* One number of each sample, of those of all samples one after the other, `size` each. */
-MRTS_LOCAL mrts_lanes mrts_term(const double *all, const long long *at, int size, int place);
-
-/* Takes inputs alone. */
-MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
-                                 int all, mrts_lane_inputs *lanes);
-
-/* Sines and cosines of some angles, both of one after the other. */
-MRTS_LOCAL void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *both);
-
-/* H = L L', (k, k), on the diagonal the reciprocals; what is not definite gives no numbers. H and L may be the same. */
-MRTS_LOCAL void mrts_lane_cholesky(int k, const mrts_lanes *H, mrts_lanes *L);
-
-/* b of L b = b, and of L' b = b. */
-MRTS_LOCAL void mrts_lane_forward(int k, const mrts_lanes *L, mrts_lanes *b);
-MRTS_LOCAL void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b);
-
-/* v -= w x r */
-MRTS_LOCAL void mrts_less_cross(const mrts_lanes *w, const mrts_lanes *r, mrts_lanes *v);
-
-/* The rates of a tip from those of its arm's joints, first .. end - 1 of all; `change` is the bias acceleration before. */
-MRTS_LOCAL void mrts_tip_by_joints(int first, int end, const mrts_lanes *J, const mrts_lanes *dq, const mrts_lanes *ddq,
-                                   mrts_lanes *rate, mrts_lanes *change);
+static inline void mrts_rows_of_lane(int k, const mrts_samples *samples, int lane, mrts_rows *rows) {
+    const mrts_rows_lanes *from = &samples->rows;
+    mrts_take_lane(from->count * k, from->A, lane, rows->A);
+    mrts_take_lane(from->count + k, from->lower, lane, rows->lower);
+    mrts_take_lane(from->count + k, from->upper, lane, rows->upper);
+    mrts_take_lane(k, from->size, lane, rows->size);
+}
 
 #endif

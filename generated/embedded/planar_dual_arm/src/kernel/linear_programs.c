@@ -382,19 +382,9 @@ done:
 MRTS_LOCAL int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                              const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering,
                              mrts_real *work, int *iwork) {
-    int *row = iwork, *side = row + k;
     const int cold = basis[0] == 0;
-    if (!cold) {
-        for (int j = 0; j < k; ++j) {
-            row[j] = mrts_abs(basis[j]) - 1;
-            side[j] = basis[j];
-        }
-        if (mrts_kept_basis(k, rows, A, lower, upper, g, row, side, x, y, work, work + k * k)) {
-            for (int j = 0; j < k; ++j) basis[j] = side[j];
-            *entering = 0;
-            return MRTS_OPTIMAL;
-        }
-    }
+    *entering = 0;
+    if (!cold && mrts_kept_basis(k, rows, A, lower, upper, g, basis, x, y, work, work + k * k)) return MRTS_OPTIMAL;
     const int status = mrts_lp(k, rows, A, lower, upper, g, basis, x, y, entering, work, iwork);
     if (status == MRTS_OPTIMAL || cold) return status;
     basis[0] = 0;

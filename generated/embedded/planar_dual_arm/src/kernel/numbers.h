@@ -93,4 +93,7 @@ static inline mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) 
     return sum;
 }
 
+#include "number_type.inc"
+#include "factors.inc"
+
 #endif

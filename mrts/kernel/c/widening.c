@@ -4,8 +4,8 @@
  * keep them all show it: those of the sample before, moved so that the rows that bound them there still do. Where these do
  * not, the nearest that do are looked for, and where there are none a linear program finds the least widening.
  */
-#include "../lanes/lanes.h"
-#include "../quadratic_programs.h"
+#include "lanes/lanes.h"
+#include "quadratic_programs.h"
 
 /* Sides of so many rows: each limit by itself. */
 #define MRTS_SIDES(rows) (2 * (rows))

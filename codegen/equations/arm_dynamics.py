@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: MIT
+"""One arm in its base frame: kinematics, recursive Newton-Euler dynamics, and the terms of its time-scaled motion.
+
+SX folds constant zeros and ones away, so exact constants here are what keeps the generated C short.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from mrts_codegen.urdf.robot_model import Joint, RobotModel
+
+from mrts.base.arrays import Array
+
+
+def skew(v: Any) -> Any:
+    """Eq. (7): matrix S(v) with S(v) u = v × u, Shape (3, 3)."""
+    return ca.skew(v)
+
+
+def axis_rotation(axis: Array, angle: Any) -> Any:
+    """Rotation by `angle` [rad] about a constant unit `axis`, Shape (3, 3) (Rodrigues' formula)."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    cross = skew(ca.SX(np.asarray(axis)))
+    R = s * cross
+    for row in range(3):
+        for column in range(3):
+            outer = float(axis[row] * axis[column])
+            if row != column:
+                R[row, column] += outer * (1 - c)
+            elif outer == 1.0:
+                R[row, column] = 1
+            else:
+                R[row, column] += c + outer * (1 - c)
+    return R
+
+
+def block_diagonal(blocks: list[Any]) -> Any:
+    """Dense block-diagonal matrix of rectangular blocks."""
+    return ca.densify(ca.diagcat(*blocks))
+
+
+@dataclass(frozen=True)
+class ChainMotion:
+    """Velocities and accelerations of the joint frames, each in its own moved frame.
+
+    Attributes:
+        R: Rotation of each joint's moved frame in the frame before, each Shape (3, 3).
+        p: Its origin in the frame before, each Shape (3,) [m].
+        w: Angular velocity, each Shape (3,) [rad/s].
+        dw: Angular acceleration, each Shape (3,) [rad/s²].
+        a: Acceleration of the origin, each Shape (3,) [m/s²].
+    """
+
+    R: list[Any]
+    p: list[Any]
+    w: list[Any]
+    dw: list[Any]
+    a: list[Any]
+
+
+def joint_transform(joint: Joint, q: Any) -> tuple[Any, Any]:
+    """Pose of a joint's moved frame in the frame before it.
+
+    Returns:
+        Rotation, Shape (3, 3), and position, Shape (3,) [m].
+    """
+    R, p = ca.SX(joint.placement.R), ca.SX(joint.placement.p)
+    if joint.kind == "revolute":
+        return R @ axis_rotation(joint.axis, q), p
+    return R, p + R @ (ca.SX(joint.axis) * q)
+
+
+def forward_kinematics(robot: RobotModel, q: Any) -> list[tuple[Any, Any]]:
+    """Rotation, Shape (3, 3), and origin, Shape (3,) [m], of all joints' moved frames and the tip in the base frame."""
+    R, p = ca.SX.eye(3), ca.SX.zeros(3)
+    frames = []
+    steps = [joint_transform(joint, q[index]) for index, joint in enumerate(robot.joints)]
+    for R_step, p_step in (*steps, (ca.SX(robot.tip.R), ca.SX(robot.tip.p))):
+        p = p + R @ p_step
+        R = R @ R_step
+        frames.append((R, p))
+    return frames
+
+
+def frame_jacobian(robot: RobotModel, q: Any) -> Any:
+    """Jacobian J of the tip: [v; ω] = J q̇ in base axes, Shape (6, n)."""
+    *frames, (_, p_tip) = forward_kinematics(robot, q)
+    columns = []
+    for joint, (R, p) in zip(robot.joints, frames, strict=True):
+        axis = R @ ca.SX(joint.axis)
+        if joint.kind == "revolute":
+            columns.append(ca.vertcat(ca.cross(axis, p_tip - p), axis))
+        else:
+            columns.append(ca.vertcat(axis, ca.SX.zeros(3)))
+    return ca.horzcat(*columns)
+
+
+def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration: Any) -> ChainMotion:
+    """Forward recursion of velocities and accelerations (Featherstone 2008, ch. 5.3, in three-vectors).
+
+    Args:
+        robot: The arm.
+        q: Joint positions, Shape (n,) [rad or m].
+        dq: Joint velocities, Shape (n,) [rad/s or m/s].
+        ddq: Joint accelerations, Shape (n,) [rad/s² or m/s²].
+        base_acceleration: Acceleration of the base in base axes, Shape (3,) [m/s²].
+    """
+    motion = ChainMotion([], [], [], [], [])
+    w, dw, a = ca.SX.zeros(3), ca.SX.zeros(3), ca.SX(base_acceleration)
+    for index, joint in enumerate(robot.joints):
+        R, p = joint_transform(joint, q[index])
+        axis = ca.SX(joint.axis)
+        a = R.T @ (a + spin(w, dw) @ p)
+        w, dw = R.T @ w, R.T @ dw
+        if joint.kind == "revolute":
+            dw = dw + axis * ddq[index] + ca.cross(w, axis) * dq[index]
+            w = w + axis * dq[index]
+        else:
+            a = a + axis * ddq[index] + 2 * ca.cross(w, axis) * dq[index]
+        for values, value in zip((motion.R, motion.p, motion.w, motion.dw, motion.a), (R, p, w, dw, a), strict=True):
+            values.append(value)
+    return motion
+
+
+def spin(w: Any, dw: Any) -> Any:
+    """The matrix of a ↦ ω̇ × a + ω × (ω × a), Shape (3, 3)."""
+    products = w @ w.T
+    return skew(dw) + products - ca.trace(products) * ca.SX.eye(3)
+
+
+def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:
+    """J̇q̇ of the tip, the acceleration [v̇; ω̇] at q̈ = 0, in base axes, Shape (6,)."""
+    rest = ca.SX.zeros(len(robot.joints))
+    motion = chain_motion(robot, q, dq, rest, ca.SX.zeros(3))
+    w, dw, a = motion.w[-1], motion.dw[-1], motion.a[-1]
+    p = ca.SX(robot.tip.p)
+    R = forward_kinematics(robot, q)[-2][0]
+    return ca.vertcat(R @ (a + spin(w, dw) @ p), R @ dw)
+
+
+def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any) -> Any:
+    """Eq. (1): joint torques of the free arm (F = 0), Shape (n,) [N m or N].
+
+    Luh, Walker and Paul (1980); Featherstone (2008), ch. 5.3.
+
+    Args:
+        robot: The arm.
+        q: Joint positions, Shape (n,) [rad or m].
+        dq: Joint velocities, Shape (n,) [rad/s or m/s].
+        ddq: Joint accelerations, Shape (n,) [rad/s² or m/s²].
+        gravity: Downward gravity in base axes, Shape (3,) [m/s²].
+    """
+    motion = chain_motion(robot, q, dq, ddq, -ca.SX(gravity))
+    return ca.vertcat(*transmitted_torques(robot, motion, ca.SX.zeros(3), ca.SX.zeros(3)))
+
+
+def transmitted_torques(robot: RobotModel, motion: ChainMotion, force: Any, moment: Any) -> list[Any]:
+    """The backward recursion: torques of the joints of an arm that moves so, and exerts a wrench at its tip [N m or N].
+
+    Args:
+        robot: The arm, n joints.
+        motion: Of its joint frames, gravity as an acceleration of the base.
+        force: In tip axes, Shape (3,) [N].
+        moment: About the tip, in its axes, Shape (3,) [N m].
+    """
+    torques: list[Any] = []
+    f = ca.SX(robot.tip.R) @ force
+    n = ca.SX(robot.tip.R) @ moment + ca.cross(ca.SX(robot.tip.p), f)
+    for index in reversed(range(len(robot.joints))):
+        joint = robot.joints[index]
+        w, dw = motion.w[index], motion.dw[index]
+        com, inertia = ca.SX(joint.body.com), ca.SX(joint.body.at_com)
+        own_f = joint.body.mass * (motion.a[index] + spin(w, dw) @ com)
+        own_n = inertia @ dw + ca.cross(w, inertia @ w) + ca.cross(com, own_f)
+        f, n = f + own_f, n + own_n
+        axis = ca.SX(joint.axis)
+        torques.insert(0, ca.dot(axis, n if joint.kind == "revolute" else f))
+        R, p = motion.R[index], motion.p[index]
+        f = R @ f
+        n = R @ n + ca.cross(p, f)
+    return torques
+
+
+def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Array) -> tuple[Any, Any, Any]:
+    """Eqs. (11), (12), (13): with q̇ = q' ṙ and q̈ = q'' ṙ² + q' r̈ the torque is E ṙ² + A r̈ + G (+ JᵀF).
+
+    E = D q'' + q' C q' [N m], A = D q' [N m s²], G the gravity torque [N m], each Shape (n,).
+
+    Args:
+        robot: The arm.
+        q: Joint positions, Shape (n,) [rad or m].
+        dq: q', velocities of the given motion, Shape (n,) [rad/s or m/s].
+        ddq: q'', accelerations of the given motion, Shape (n,) [rad/s² or m/s²].
+        gravity: Downward gravity in base axes, Shape (3,) [m/s²].
+    """
+    rest, weightless = ca.SX.zeros(len(robot.joints)), np.zeros(3)
+    return (
+        inverse_dynamics(robot, q, dq, ddq, weightless),
+        inverse_dynamics(robot, q, rest, dq, weightless),
+        inverse_dynamics(robot, q, rest, rest, gravity),
+    )
+
+
+def mass_matrix(robot: RobotModel, q: Any) -> Any:
+    """Mass matrix D(q), Shape (n, n) [kg m² for revolute pairs]: what the torque of an arm at rest is linear in."""
+    count = len(robot.joints)
+    acceleration = ca.SX.sym("ddq", count)
+    torque = inverse_dynamics(robot, q, ca.SX.zeros(count), acceleration, np.zeros(3))
+    return ca.densify(ca.jacobian(torque, acceleration))
+
+
+def coriolis_torque(robot: RobotModel, q: Any, dq: Any) -> Any:
+    """Coriolis and centrifugal torque q̇ C(q) q̇, Shape (n,) [N m or N]."""
+    return inverse_dynamics(robot, q, dq, ca.SX.zeros(len(robot.joints)), np.zeros(3))

@@ -1,0 +1,505 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The projection of a polytope onto its last two unknowns, u and x, from inside: its corners are projections of points that
+ * keep all limits, so whatever is a mixture of them is feasible. They are counter-clockwise in the plane (u, x). Each is
+ * given by k rows at a limit, the basis, as mrts_lp codes it.
+ */
+#include "lanes/lane_types.h"
+#include "linear_programs.h"
+
+/* An edge is final if nothing lies further out than this, in units of the limits and of the corners' size. */
+#define MRTS_OUTSIDE 1e-9
+
+/* Most corners of one projection; a polygon with more is replaced by one inside it. */
+#define MRTS_CORNERS 64
+
+/* { z : lower <= (A z, z) <= upper }, limits of the rows and then of the k unknowns, as a program of mrts_lp has them. */
+typedef struct {
+    int k;
+    int rows;
+    double *A; /* (rows, k) */
+    double *lower;
+    double *upper;
+} mrts_polytope;
+
+/* Reals of a polytope's memory. */
+#define MRTS_POLYTOPE_WORK(k, rows) ((rows) * (k) + 2 * ((rows) + (k)))
+
+/* The bases of a projection's corners, from the first of which the next projection starts; none for a cold start. */
+typedef struct {
+    int count;
+    int *basis; /* (MRTS_CORNERS, k) */
+} mrts_outline;
+
+#define MRTS_OUTLINE_IWORK(k) (MRTS_CORNERS * (k))
+
+/* The corners, started from an outline, which becomes that of this projection; a status of mrts_lp. */
+#define MRTS_PROJECT_WORK(k) (MRTS_LP_WORK(k) + 3 * (k) + (MRTS_CORNERS + 1) * (2 + 2 * (k)))
+#define MRTS_PROJECT_IWORK(k, rows) (MRTS_LP_IWORK(k, rows) + (MRTS_CORNERS + 1) * (k))
+
+/*
+ * Corners are found by linear programs: outward of every edge, until nothing lies outside.
+ */
+
+/* A corner, with the rows that determine it and how their multipliers depend on the direction (du, dx). */
+typedef struct {
+    double *at;   /* u, x */
+    double *rate; /* of du and of dx, (2, k) */
+    int *basis;
+} mrts_corner;
+
+/* Where the corners of a polygon are, linked counter-clockwise, and work of their programs. */
+typedef struct {
+    int k, count;
+    double *places;
+    int *bases;
+    int next[MRTS_CORNERS];
+    double *work;
+    int *iwork;
+} mrts_polygon;
+
+static mrts_corner mrts_corner_at(const mrts_polygon *of, int n) {
+    double *place = of->places + n * (2 + 2 * of->k);
+    const mrts_corner corner = {place, place + 2, of->bases + n * of->k};
+    return corner;
+}
+
+/* What rounding of a corner is measured by. */
+static double mrts_corner_size(const double *p) { return 1 + MRTS_ABS(p[0]) + MRTS_ABS(p[1]); }
+
+/* Whether two corners differ by no more than rounding. */
+static int mrts_same_corner(const double *p, const double *q) {
+    return MRTS_ABS(p[0] - q[0]) + MRTS_ABS(p[1] - q[1]) <= MRTS_OUTSIDE * mrts_corner_size(p);
+}
+
+/* Whether a point keeps all limits, but for rounding. */
+static int mrts_keeps_limits(const mrts_polytope *in, const double *z) {
+    for (int row = 0; row < in->rows + in->k; ++row) {
+        const double value = mrts_lp_value(in->rows, in->A, in->k, row, z), low = in->lower[row], high = in->upper[row];
+        if (!(low - value <= MRTS_FEASIBLE * (1 + MRTS_ABS(low)))) return 0;
+        if (!(value - high <= MRTS_FEASIBLE * (1 + MRTS_ABS(high)))) return 0;
+    }
+    return 1;
+}
+
+/* The corner that lies furthest in a direction, by a linear program from the basis that it holds (basis[0] == 0: cold);
+ * a status of mrts_lp. */
+static int mrts_furthest(const mrts_polytope *in, const mrts_polygon *of, const double *direction, mrts_corner corner) {
+    const int k = in->k;
+    double *g = of->work, *z = g + k, *y = z + k, *inverse = y + k; /* mrts_lp leaves its columns there */
+    int entering, status = MRTS_STOPPED;
+    for (int j = 0; j < k; ++j) g[j] = 0;
+    g[k - 2] = -direction[0];
+    g[k - 1] = -direction[1];
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        const int cold = corner.basis[0] == 0;
+        status = mrts_lp(k, in->rows, in->A, in->lower, in->upper, g, corner.basis, z, y, &entering, inverse, of->iwork);
+        if (status == MRTS_OPTIMAL || cold) break;
+        corner.basis[0] = 0;
+    }
+    /* rows that are alike but for rounding leave multipliers of either sign: nearly the furthest is good enough */
+    if (status == MRTS_STOPPED && mrts_keeps_limits(in, z)) status = MRTS_OPTIMAL;
+    if (status != MRTS_OPTIMAL) corner.basis[0] = 0;
+    corner.at[0] = z[k - 2];
+    corner.at[1] = z[k - 1];
+    for (int j = 0; j < k; ++j) {
+        corner.rate[j] = -inverse[j * k + k - 2];
+        corner.rate[k + j] = -inverse[j * k + k - 1];
+    }
+    return status;
+}
+
+/* Whether the multipliers of a corner show that nothing lies further out in a direction: they have the signs of limits that
+ * there are (a free unknown of a basis has none), and make it up of the rows as given. */
+static int mrts_is_furthest(const mrts_polytope *in, const mrts_polygon *of, mrts_corner corner, const double *direction) {
+    const int k = in->k;
+    double *y = of->work, *rest = y + k, size = 1;
+    for (int j = 0; j < k; ++j) {
+        y[j] = direction[0] * corner.rate[j] + direction[1] * corner.rate[k + j];
+        size = mrts_larger(MRTS_ABS(y[j]), size);
+        rest[j] = 0;
+    }
+    rest[k - 2] = direction[0];
+    rest[k - 1] = direction[1];
+    for (int j = 0; j < k; ++j) {
+        const int code = corner.basis[j], row = mrts_abs(code) - 1;
+        if (code < 0 ? y[j] > 0 && in->lower[row] > -MRTS_INFINITY : y[j] < 0 && in->upper[row] < MRTS_INFINITY) continue;
+        if (MRTS_ABS(y[j]) > MRTS_OUTSIDE / 10 * size && in->lower[row] != in->upper[row]) return 0;
+    }
+    for (int j = 0; j < k; ++j) {
+        const int row = mrts_abs(corner.basis[j]) - 1;
+        for (int i = 0; i < k && row < in->rows; ++i) rest[i] += y[j] * in->A[row * k + i];
+        if (row >= in->rows) rest[row - in->rows] += y[j];
+    }
+    for (int i = 0; i < k; ++i) {
+        if (!(MRTS_ABS(rest[i]) <= MRTS_FEASIBLE * size)) return 0;
+    }
+    return 1;
+}
+
+/* Whether nothing lies outside of the edge from a corner to the next, whose unit normal, outward, it becomes. */
+static int mrts_is_final(const mrts_polytope *in, const mrts_polygon *of, int at, double *normal) {
+    const mrts_corner p = mrts_corner_at(of, at), q = mrts_corner_at(of, of->next[at]);
+    normal[0] = q.at[1] - p.at[1];
+    normal[1] = p.at[0] - q.at[0];
+    const double length = MRTS_SQRT(normal[0] * normal[0] + normal[1] * normal[1]);
+    if (!(length > 0)) return 1;
+    normal[0] /= length;
+    normal[1] /= length;
+    return mrts_is_furthest(in, of, p, normal) || mrts_is_furthest(in, of, q, normal);
+}
+
+/* The corners furthest along the axes, the first from a basis (basis[0] == 0: cold); a status of mrts_lp. */
+static int mrts_axis_corners(const mrts_polytope *in, const int *basis, mrts_polygon *found) {
+    static const double axes[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    for (int d = 0; d < 4; ++d) {
+        const int n = found->count;
+        const mrts_corner corner = mrts_corner_at(found, n), before = mrts_corner_at(found, n > 0 ? n - 1 : 0);
+        if (n > 0 && mrts_is_furthest(in, found, before, axes[d])) continue;
+        for (int j = 0; j < in->k; ++j) corner.basis[j] = n > 0 ? before.basis[j] : basis[j];
+        const int status = mrts_furthest(in, found, axes[d], corner);
+        if (status != MRTS_OPTIMAL) return status;
+        if (n > 0 && mrts_same_corner(corner.at, before.at)) continue;
+        if (n > 0) found->next[n - 1] = n;
+        found->next[n] = 0;
+        ++found->count;
+    }
+    const int last = found->count - 1; /* which may be the first */
+    if (last > 0 && mrts_same_corner(mrts_corner_at(found, last).at, found->places)) {
+        found->next[last - 1] = 0;
+        --found->count;
+    }
+    return MRTS_OPTIMAL;
+}
+
+/* Corners outward of the edges until nothing lies outside; a status of mrts_lp. */
+static int mrts_close(const mrts_polytope *in, mrts_polygon *of) {
+    int at = 0;
+    while (of->count > 1) {
+        double normal[2];
+        if (of->count < MRTS_CORNERS && !mrts_is_final(in, of, at, normal)) {
+            const mrts_corner p = mrts_corner_at(of, at), q = mrts_corner_at(of, of->next[at]);
+            const mrts_corner r = mrts_corner_at(of, of->count);
+            for (int j = 0; j < in->k; ++j) r.basis[j] = p.basis[j];
+            const int status = mrts_furthest(in, of, normal, r);
+            if (status != MRTS_OPTIMAL) return status;
+            const double beyond = normal[0] * (r.at[0] - p.at[0]) + normal[1] * (r.at[1] - p.at[1]);
+            if (beyond > MRTS_OUTSIDE * mrts_corner_size(p.at) && !mrts_same_corner(r.at, p.at) &&
+                !mrts_same_corner(r.at, q.at)) {
+                of->next[of->count] = of->next[at];
+                of->next[at] = of->count++;
+                continue;
+            }
+        }
+        at = of->next[at];
+        if (at == 0) break;
+    }
+    return MRTS_OPTIMAL;
+}
+
+static int mrts_project(const mrts_polytope *in, mrts_outline *outline, int *count, double *corners, double *work,
+                            int *iwork) {
+    const int k = in->k;
+    mrts_polygon found = {.k = k, .work = work, .iwork = iwork};
+    found.places = work + MRTS_LP_WORK(k) + 3 * k;
+    found.bases = iwork + MRTS_LP_IWORK(k, in->rows);
+    if (outline->count == 0) outline->basis[0] = 0;
+    int status = mrts_axis_corners(in, outline->basis, &found);
+    if (status == MRTS_OPTIMAL) status = mrts_close(in, &found);
+    outline->count = status == MRTS_OPTIMAL ? found.count : 0;
+    *count = outline->count;
+    for (int i = 0, at = 0; i < outline->count; ++i, at = found.next[at]) {
+        const mrts_corner corner = mrts_corner_at(&found, at);
+        corners[2 * i] = corner.at[0];
+        corners[2 * i + 1] = corner.at[1];
+        for (int j = 0; j < k; ++j) outline->basis[i * k + j] = corner.basis[j];
+    }
+    return status;
+}
+
+/*
+ * Corners of several samples that share their bases: each is solved for, and checked when all rows are put in.
+ */
+
+/* Polytopes one after the other: rows which[0 .. rows - 1] of `all` rows of A, Shape (count, all, k), whose columns are
+ * multiplied by scale, Shape (count, k), and bounds of u and x, the last two of the k unknowns, Shape (count, 2) each. */
+typedef struct {
+    long long count;
+    int k;
+    int all;
+    int rows;
+    const int *which;
+    const double *A;
+    const double *lower;
+    const double *upper;
+    const double *scale;
+    const double *least;
+    const double *most;
+} mrts_polytopes;
+
+/* Some of them in lanes. */
+typedef struct {
+    const mrts_polytopes *of;
+    mrts_lanes *A; /* (rows, k) */
+    mrts_lanes *lower;
+    mrts_lanes *upper;
+    mrts_lanes *corner; /* of each corner u, x, and of u and of x what rows of the basis weigh in it, (MRTS_CORNERS, 2 + 2 k) */
+    int *basis;         /* of each corner, its rows in the order of these weights, (MRTS_CORNERS, k) */
+    mrts_lanes *work;   /* (k + 2, k) */
+} mrts_lane_polytopes;
+
+#define MRTS_LANE_CORNER(k) (2 + 2 * (k))
+#define MRTS_LANE_POLYTOPES_WORK(k, rows) \
+    (MRTS_LANES * ((rows) * (k) + 2 * ((rows) + (k)) + MRTS_CORNERS * MRTS_LANE_CORNER(k) + (k) * (k) + 2 * (k)))
+#define MRTS_LANE_POLYTOPES_IWORK(k) (MRTS_CORNERS * (k))
+
+/* Lays them out in work arrays. */
+static mrts_lane_polytopes mrts_lane_polytopes_in(const mrts_polytopes *of, double *work, int *iwork) {
+    const int k = of->k, rows = of->rows;
+    mrts_lane_polytopes in;
+    in.of = of;
+    in.A = (mrts_lanes *)(void *)work;
+    in.lower = in.A + rows * k;
+    in.upper = in.lower + rows + k;
+    in.corner = in.upper + rows + k;
+    in.work = in.corner + MRTS_CORNERS * MRTS_LANE_CORNER(k);
+    in.basis = iwork;
+    return in;
+}
+
+/* Takes the samples from `first` on; beyond the last the last is repeated. */
+static void mrts_take_polytopes(long long first, mrts_lane_polytopes *in) {
+    const mrts_polytopes *of = in->of;
+    const int k = of->k, rows = of->rows;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) {
+        const long long n = first + lane < of->count ? first + lane : of->count - 1;
+        const double *A = of->A + n * of->all * k, *scale = of->scale + n * k;
+        const double *limits[] = {of->lower + n * of->all, of->upper + n * of->all};
+        const double *bounds[] = {of->least + 2 * n, of->most + 2 * n};
+        for (int i = 0; i < rows; ++i) {
+            for (int j = 0; j < k; ++j) in->A[i * k + j][lane] = A[of->which[i] * k + j] * scale[j];
+        }
+        for (int i = 0; i < rows + k; ++i) {
+            const int bound = i - rows - (k - 2);
+            for (int side = 0; side < 2; ++side) {
+                const double absent = side ? MRTS_INFINITY : -MRTS_INFINITY;
+                const double limit = i < rows ? limits[side][of->which[i]] : bound < 0 ? absent : bounds[side][bound];
+                (side ? in->upper : in->lower)[i][lane] = limit;
+            }
+        }
+    }
+    for (int i = 0; i < rows + k; ++i) {
+        in->lower[i] = mrts_larger_lanes(in->lower[i], mrts_each(-MRTS_INFINITY));
+        in->upper[i] = -mrts_larger_lanes(-in->upper[i], mrts_each(-MRTS_INFINITY));
+    }
+}
+
+/* The limit that a row of a basis is at, 0 for a free one. */
+static mrts_lanes mrts_basis_limit(const mrts_lane_polytopes *in, int code) {
+    const mrts_lanes limit = code < 0 ? in->lower[-code - 1] : in->upper[code - 1];
+    return mrts_choose(mrts_above(mrts_each(MRTS_INFINITY), mrts_sizes(limit)), limit, mrts_each(0));
+}
+
+/* What the rows of a basis weigh in an unknown, and whether they make it up and give the point's. */
+static mrts_lane_mask mrts_corner_weights(const mrts_lane_polytopes *in, const int *basis, int unknown, mrts_lanes its,
+                                          mrts_lanes *y) {
+    const int k = in->of->k, rows = in->of->rows;
+    mrts_lanes *rest = in->work + k * k, value = mrts_each(0);
+    mrts_lane_mask right = MRTS_EVERY_LANE;
+    for (int j = 0; j < k; ++j) rest[j] = y[j] = mrts_each(j == unknown);
+    mrts_solve_transposed_lanes(k, in->work, y, unknown);
+    for (int n = 0; n < k; ++n) {
+        const int row = mrts_abs(basis[n]) - 1;
+        value += y[n] * mrts_basis_limit(in, basis[n]);
+        if (row >= rows) rest[row - rows] -= y[n];
+        for (int j = 0; j < k && row < rows; ++j) rest[j] -= y[n] * in->A[row * k + j];
+    }
+    for (int j = 0; j < k; ++j) right &= mrts_at_most(mrts_sizes(rest[j]), mrts_each(MRTS_FEASIBLE));
+    return right & mrts_at_most(mrts_sizes(value - its), MRTS_FEASIBLE * (1 + mrts_sizes(value)));
+}
+
+/* The corner of a basis, which comes into the order of its pivots, and of which samples it is one. */
+static mrts_lane_mask mrts_lane_corner(const mrts_lane_polytopes *in, int *basis, mrts_lanes *corner) {
+    const int k = in->of->k, rows = in->of->rows;
+    mrts_lanes *B = in->work, *z = B + k * k + k;
+    mrts_basis_factor_lanes(k, rows, in->A, basis, B);
+    for (int n = 0; n < k; ++n) z[n] = mrts_basis_limit(in, basis[n]);
+    mrts_solve_lanes(k, B, z);
+    corner[0] = z[k - 2];
+    corner[1] = z[k - 1];
+    const mrts_lane_mask kept = mrts_kept_feasible_lanes(k, rows, in->A, in->lower, in->upper, z);
+    if (!mrts_any(kept)) return kept;
+    return kept & mrts_corner_weights(in, basis, k - 2, corner[0], corner + 2) &
+           mrts_corner_weights(in, basis, k - 1, corner[1], corner + 2 + k);
+}
+
+/* Whether the multipliers of a direction have the signs of limits that there are. */
+static mrts_lane_mask mrts_corner_signs(const mrts_lane_polytopes *in, int at, const mrts_lanes *direction) {
+    const int k = in->of->k, *basis = in->basis + at * k;
+    const mrts_lanes *of_u = in->corner + at * MRTS_LANE_CORNER(k) + 2, *of_x = of_u + k;
+    mrts_lanes *y = in->work, size = mrts_each(1);
+    mrts_lane_mask right = MRTS_EVERY_LANE;
+    for (int n = 0; n < k; ++n) {
+        y[n] = direction[0] * of_u[n] + direction[1] * of_x[n];
+        size = mrts_larger_lanes(mrts_sizes(y[n]), size);
+    }
+    size *= MRTS_OUTSIDE / 10;
+    for (int n = 0; n < k; ++n) {
+        const int code = basis[n], row = mrts_abs(code) - 1;
+        const mrts_lanes low = in->lower[row], high = in->upper[row];
+        const mrts_lane_mask limited =
+            code < 0 ? mrts_above(low, mrts_each(-MRTS_INFINITY)) : mrts_above(mrts_each(MRTS_INFINITY), high);
+        const mrts_lanes wrong = mrts_choose(limited, code < 0 ? y[n] : -y[n], mrts_sizes(y[n]));
+        right &= mrts_at_most(wrong, size) | mrts_at_most(high, low);
+    }
+    return right;
+}
+
+/* Whether nothing lies outside of the edge from a corner to the next; they are not the same. */
+static mrts_lane_mask mrts_edge_is_final(const mrts_lane_polytopes *in, int at, int next) {
+    const int k = in->of->k;
+    const mrts_lanes *p = in->corner + at * MRTS_LANE_CORNER(k), *q = in->corner + next * MRTS_LANE_CORNER(k);
+    mrts_lanes normal[2] = {q[1] - p[1], p[0] - q[0]}, length = normal[0] * normal[0] + normal[1] * normal[1];
+    const mrts_lanes apart = mrts_sizes(normal[0]) + mrts_sizes(normal[1]);
+    for (int lane = 0; lane < MRTS_LANES; ++lane) length[lane] = MRTS_SQRT(length[lane]);
+    normal[0] /= length;
+    normal[1] /= length;
+    const mrts_lane_mask differ = mrts_above(apart, MRTS_OUTSIDE * (1 + mrts_sizes(p[0]) + mrts_sizes(p[1])));
+    mrts_lane_mask final = mrts_corner_signs(in, at, normal);
+    if (!(final[0] & final[1] & final[2] & final[3])) final |= mrts_corner_signs(in, next, normal);
+    return differ & final;
+}
+
+/* Of which samples the bases of an outline are all corners: each is verified as a corner of mrts_project, and each edge. */
+static mrts_lane_mask mrts_known_outline(const mrts_lane_polytopes *in, const mrts_outline *outline) {
+    const int k = in->of->k, count = outline->count;
+    mrts_lane_mask known = MRTS_EVERY_LANE;
+    for (int i = 0; i < count * k; ++i) in->basis[i] = outline->basis[i];
+    for (int at = 0; at < count && mrts_any(known); ++at) {
+        known &= mrts_lane_corner(in, in->basis + at * k, in->corner + at * MRTS_LANE_CORNER(k));
+    }
+    for (int at = 0; at < count && mrts_any(known); ++at) known &= mrts_edge_is_final(in, at, at + 1 < count ? at + 1 : 0);
+    return known;
+}
+
+/*
+ * The admissible pairs of u and x of whole batches in one call from Python.
+ * Work is cut into chunks of fixed length by the caller, so results do not depend on the number of threads.
+ */
+
+/* The largest coefficient of each unknown in rows which[0 .. rows - 1] of `all` rows of A, without its sign: Shape (count, k).
+ * Zeros on entry. */
+MRTS_EXPORT void mrts_effects(long long count, int k, int all, int rows, const int *which, const double *A,
+                              double *effect) {
+    for (long long n = 0; n < count; ++n, A += all * k, effect += k) {
+        for (int i = 0; i < rows; ++i) {
+            const double *row = A + which[i] * k;
+            for (int j = 0; j < k; ++j) {
+                const double size = MRTS_ABS(row[j]);
+                if (!(size <= effect[j])) effect[j] = size;
+            }
+        }
+    }
+}
+
+/* The half-planes n_u u + n_x x <= h of polygons, number[n] corners (u, x) of each in a row, counter-clockwise: the edges that
+ * are not those of |u| <= box or x <= cap (`near` is the share from which one is), and of a point or a segment what bounds it
+ * along itself, where u has a unit. Units of u and x are (count, 2). Those of polygon n are start[n] .. start[n + 1] - 1 of
+ * `planes`, which have room for two a polygon more than there are corners. Least and largest x of each too, 0 of none. */
+MRTS_EXPORT void mrts_half_planes(long long count, const int *number, const double *corners, const double *unit,
+                                  const double *cap, double box, double near, long long *start, double *planes, double *low,
+                                  double *high) {
+    double *next = planes;
+    for (long long n = 0; n < count; corners += 2 * number[n++]) {
+        const double u_unit = unit[2 * n], x_unit = unit[2 * n + 1];
+        double least = INFINITY, most = -INFINITY;
+        start[n] = (next - planes) / 3;
+        low[n] = high[n] = number[n] > 0 ? corners[1] : 0;
+        for (int i = 0; i < number[n]; ++i) {
+            const double *here = corners + 2 * i, *after = corners + 2 * ((i + 1) % number[n]);
+            const double along_u = after[0] - here[0], along_x = after[1] - here[1];
+            const double length = MRTS_SQRT(along_u * along_u + along_x * along_x);
+            const double inner = here[1] < after[1] ? here[1] : after[1], outer = here[1] < after[1] ? after[1] : here[1];
+            if (here[0] < least) least = here[0];
+            if (here[0] > most) most = here[0];
+            if (here[1] < low[n]) low[n] = here[1];
+            if (here[1] > high[n]) high[n] = here[1];
+            if (!(length > 0) || (MRTS_ABS(here[0]) >= near * box && MRTS_ABS(after[0]) >= near * box)) continue;
+            if (inner >= near * cap[n] || outer <= 1 / (box * box)) continue;
+            const double normal_u = along_x / length, normal_x = -along_u / length;
+            next[0] = normal_u / u_unit;
+            next[1] = normal_x / x_unit;
+            next[2] = normal_u * here[0] + normal_x * here[1];
+            next += 3;
+        }
+        if (number[n] < 1 || number[n] > 2 || !(u_unit < INFINITY)) continue;
+        next[0] = 1 / u_unit;
+        next[3] = -1 / u_unit;
+        next[1] = next[4] = 0;
+        next[2] = most;
+        next[5] = -least;
+        next += 6;
+    }
+    start[count] = (next - planes) / 3;
+}
+
+/* Reals and ints of work of the projections below. */
+MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
+    *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k) + MRTS_LANE_POLYTOPES_WORK(k, rows);
+    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k);
+}
+
+/* The corners of one sample, in order. */
+static void mrts_take_outline(const mrts_lane_polytopes *in, int lane, int count, double *corners) {
+    for (int i = 0; i < count; ++i) {
+        const mrts_lanes *corner = in->corner + i * MRTS_LANE_CORNER(in->of->k);
+        corners[2 * i] = corner[0][lane];
+        corners[2 * i + 1] = corner[1][lane];
+    }
+}
+
+/* The polytope of a sample. */
+static void mrts_take_polytope(const mrts_lane_polytopes *of, int lane, const mrts_polytope *in) {
+    mrts_take_lane(in->rows * in->k, of->A, lane, in->A);
+    mrts_take_lane(in->rows + in->k, of->lower, lane, in->lower);
+    mrts_take_lane(in->rows + in->k, of->upper, lane, in->upper);
+}
+
+/* `count` projections of { z : lower <= A z <= upper, least <= (u, x) <= most }, see mrts_polytopes. Each starts from the one
+ * before, the first of a chunk cold. */
+MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, const int *which, const double *A,
+                                    const double *lower, const double *upper, const double *scale, const double *least,
+                                    const double *most, int *corner_count, double *corners, unsigned char *status,
+                                    double *work, int *iwork) {
+    const mrts_polytopes of = {count, k, all, rows, which, A, lower, upper, scale, least, most};
+    double *project_work = work + MRTS_POLYTOPE_WORK(k, rows);
+    mrts_outline outline = {0, iwork};
+    int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
+    const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
+    mrts_lane_polytopes lanes =
+        mrts_lane_polytopes_in(&of, project_work + MRTS_PROJECT_WORK(k), project_iwork + MRTS_PROJECT_IWORK(k, rows));
+    const mrts_lane_mask none = {0};
+    mrts_lane_mask known = none;
+    for (long long n = 0; n < count; ++n) {
+        double *found = corners + n * 2 * MRTS_CORNERS;
+        const int lane = (int)(n % MRTS_LANES);
+        if (lane == 0) {
+            mrts_take_polytopes(n, &lanes);
+            known = outline.count > 2 ? mrts_known_outline(&lanes, &outline) : none;
+        }
+        if (known[lane]) {
+            mrts_take_outline(&lanes, lane, outline.count, found);
+            corner_count[n] = outline.count;
+            status[n] = MRTS_OPTIMAL;
+            continue;
+        }
+        mrts_take_polytope(&lanes, lane, &in);
+        for (int attempt = 0; attempt < 2; ++attempt) {
+            const int cold = outline.count == 0;
+            corner_count[n] = 0;
+            status[n] = (unsigned char)mrts_project(&in, &outline, corner_count + n, found, project_work, project_iwork);
+            if (status[n] == MRTS_OPTIMAL || status[n] == MRTS_INFEASIBLE || cold) break;
+        }
+        known = lane + 1 < MRTS_LANES && outline.count > 2 ? mrts_known_outline(&lanes, &outline) : none; /* beside this one */
+    }
+}

@@ -1,0 +1,1296 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The fastest speed along a path with n nodes whose rows, changes of rows and jerks are limited: a convex program.
+ *
+ * x is the squared speed, u half its slope along the path, linear between nodes, F free unknowns at each node. Row j of
+ * node k has the value v = square x + rate u + root sqrt(x) + free F + offset, and
+ *
+ *     lower <= v_k <= upper                                          at every node
+ *     sqrt(z' gram z) <= bound' z with z = (u, x, 1)                 at every node, of each cone
+ *     |v_(k+1) - v_k| <= change Dt_k                                 on every segment
+ *     |q1 (u_(k+1) - u_k) / step + 3 q2 u + q3 x| <= jerk / sqrt(x)  at both ends of every segment
+ *
+ * with Dt_k = 2 step / (sqrt(x_k) + sqrt(x_(k+1))). What is not convex is replaced by what is stricter and touches it
+ * at the profile `around`: Dt and 1 / sqrt(x) by their tangents, root sqrt(x) by its own where it presses towards a limit.
+ * The least of time * duration + effort * sum of spacing weight v^2 / sqrt(x) + uneven * sum of (u_(k+1) - u_k)^2 / step
+ * is looked for.
+ *
+ * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, which is 0 where there
+ * is no limit.
+ * Node k has the slots [rows above, rows below, cones, changes above, changes below, jerks at the start of its segment
+ * above, below, at its end above, below]; the last two slots of all are those of the duration and of the share.
+ */
+#include "numbers.h"
+
+typedef struct {
+    int nodes;       /* n >= 2 */
+    int rows;        /* r of a node */
+    int free;        /* f of a node */
+    int width;       /* of a node: coefficients of its rows, each row's columns only */
+    int cones;       /* of a node */
+    int changes;     /* rows whose change is limited */
+    int jerks;       /* joints whose jerk is limited */
+    int timed;       /* x and u are given: F alone is looked for */
+    int again;       /* `work` ends with the iterate of a program that is near: start from there */
+    int moving;      /* tangents are laid anew in each iteration, until it is near its end */
+    int given_start; /* x at the first node is given */
+    int given_end;
+    int held_start; /* F at the first node is given */
+    int held_end;
+    const int *first;   /* column of F that a row begins with, (r) */
+    const int *count;   /* columns that it has, (r) */
+    const int *place;   /* of its first coefficient among those of a node, (r) */
+    const int *limited; /* rows whose change is limited, (changes) */
+    double time;
+    double effort;
+    double longest;      /* of the duration, MRTS_INFINITY where there is none */
+    double uneven;       /* weight of the sum of (u_(k+1) - u_k)^2 / step, which leaves no u to jump to and fro for nothing */
+    double relaxed;      /* weight of a share by which all limits of changes and jerks are relaxed; 0 relaxes none, and
+                            where it is not 0 there is no longest duration */
+    const double *step;   /* (n - 1) */
+    const double *square; /* (n, r), as rate, root, offset, lower, upper */
+    const double *rate;
+    const double *root; /* null where all are 0 */
+    const double *offset;
+    const double *entry; /* coefficients of F, (n, width) */
+    const double *lower;
+    const double *upper;
+    const double *gram;   /* (n, cones, 3, 3), symmetric */
+    const double *bound;  /* (n, cones, 3), of which the last is infinite where there is no limit */
+    const double *change; /* (changes) */
+    const double *weight; /* (r), null where all are 0 */
+    const double *q1;     /* (n, jerks) */
+    const double *q2;     /* (n, jerks) */
+    const double *q3;     /* (n - 1, 2, jerks) */
+    const double *jerk;   /* (jerks) */
+    const double *around; /* x > 0 where tangents are laid, (n) */
+} mrts_smooth_program;
+
+/* A profile and what belongs to it, in the caller's memory. */
+typedef struct {
+    double *x, *u, *free;     /* (n), (n), (n, f) */
+    double *control;          /* x is a spline: x_k = near_k control_k + far_k control_(k+1), (n + 1) */
+    double *near, *far;       /* (n) */
+    double *slope;            /* u_k = slope_k (control_(k+1) - control_k), (n) */
+    double *around;           /* where tangents are laid, (n) */
+    double *root_around;      /* (n) */
+    double *by_time;          /* 1 / Dt at `around`, (n - 1) */
+    double *time_x, *time_x1; /* slopes of the tangent of Dt / Dt_around along x_k, x_(k+1), (n - 1) */
+    double *by_change;        /* 1 / change, (changes) */
+    double *value;            /* v without its root, (n, r) */
+    double *above, *below;    /* convex above v, concave below v, equal to v at `around`, (n, r) */
+    double *above_x, *below_x; /* their slopes along x, (n, r) */
+    double *cone_u, *cone_x;  /* slopes of the cones' left sides, (n, cones) */
+    double *cone_root;        /* their left sides, (n, cones) */
+    double *duration_x;       /* slopes of the duration, (n) */
+    double *row_weight, *row_cross; /* of a node's second derivatives along (value, value) and (x, value), (n, r) */
+    double *change_weight, *change_before, *change_after; /* likewise between two nodes, (n - 1, changes) */
+    double *node_second;      /* along (x, x), (x, u), (u, u), (n, 3) */
+    double *segment_second;   /* along (x, x'), (x, u'), (u, x'), (u, u'), (n - 1, 4) */
+    double *pressing, *holding; /* of a node: multipliers above and below, (r) */
+    double unit;              /* of the objective */
+} mrts_smooth_state;
+
+/* Slots of a node alone, and with those of its segment. */
+static inline int mrts_smooth_node_slots(const mrts_smooth_program *p) { return 2 * p->rows + p->cones; }
+static inline int mrts_smooth_slots(const mrts_smooth_program *p) {
+    return mrts_smooth_node_slots(p) + 2 * (p->changes + 2 * p->jerks);
+}
+
+/*
+ * Values of the constraints of smooth timing at a profile, what a step changes in them, and what multipliers pull at.
+ */
+
+#define MRTS_SMOOTH_APEX 1e-4 /* of a limit: cones are rounded there, and narrower by half its square at most */
+
+/* A state laid out in memory; how many reals it takes. */
+static long long mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *state) {
+    const long long n = p->nodes, r = p->rows, f = n * p->free, nr = n * r, cones = n * p->cones, c = p->changes;
+    double **of[] = {&state->x,           &state->u,           &state->near,           &state->far,
+                     &state->slope,       &state->around,      &state->root_around,    &state->by_time,
+                     &state->time_x,      &state->time_x1,     &state->duration_x,     &state->free,
+                     &state->control,     &state->by_change,   &state->value,          &state->above,
+                     &state->below,       &state->above_x,     &state->below_x,        &state->row_weight,
+                     &state->row_cross,   &state->cone_u,      &state->cone_x,         &state->cone_root,
+                     &state->change_weight, &state->change_before, &state->change_after, &state->node_second,
+                     &state->segment_second, &state->pressing, &state->holding};
+    const long long size[] = {n,  n,  n,  n,  n,     n,     n,     n,     n,     n,     n,     f,     n + 1, c, nr, nr,
+                              nr, nr, nr, nr, nr,    cones, cones, cones, n * c, n * c, n * c, 3 * n, 4 * n, r, r};
+    long long taken = 0;
+    for (unsigned i = 0; i < sizeof size / sizeof *size; taken += size[i++]) *of[i] = memory ? memory + taken : memory;
+    state->unit = 1;
+    return taken;
+}
+
+/* Lays tangents at a profile. */
+static void mrts_smooth_tangents(const mrts_smooth_program *p, mrts_smooth_state *state, const double *around) {
+    for (int k = 0; k < p->nodes; ++k) {
+        state->around[k] = around[k];
+        state->root_around[k] = sqrt(around[k]);
+    }
+    for (int k = 0; k < p->nodes - 1; ++k) {
+        const double sum = state->root_around[k] + state->root_around[k + 1];
+        state->by_time[k] = sum / (2 * p->step[k]);
+        state->time_x[k] = -1 / (2 * sum * state->root_around[k]);
+        state->time_x1[k] = -1 / (2 * sum * state->root_around[k + 1]);
+    }
+}
+
+/* x and u of the control points. */
+static void mrts_smooth_profile(const mrts_smooth_program *p, mrts_smooth_state *state) {
+    const double *c = state->control;
+    for (int k = 0; k < p->nodes; ++k) {
+        state->x[k] = state->near[k] * c[k] + state->far[k] * c[k + 1];
+        state->u[k] = state->slope[k] * (c[k + 1] - c[k]);
+    }
+}
+
+/* Starts where tangents are laid; the state holds what of x is given. */
+static void mrts_smooth_start(const mrts_smooth_program *p, mrts_smooth_state *state) {
+    const int n = p->nodes;
+    const double *around = state->around;
+    for (int k = 0; k < n; ++k) {
+        const double before = k > 0 ? p->step[k - 1] : 0, after = k < n - 1 ? p->step[k] : 0;
+        state->slope[k] = 1 / (before + after);
+        state->near[k] = after / (before + after); /* 0 and 1 at the ends */
+        state->far[k] = before / (before + after);
+    }
+    for (int i = 0; i < p->changes; ++i) state->by_change[i] = 1 / p->change[i];
+    if (p->timed) return;
+    state->control[0] = p->given_start ? state->x[0] : around[0];
+    state->control[n] = p->given_end ? state->x[n - 1] : around[n - 1];
+    for (int k = 1; k < n; ++k) state->control[k] = (around[k - 1] + around[k]) / 2;
+    mrts_smooth_profile(p, state);
+}
+
+/* Rows of one node: values without and with their roots replaced, from above and from below. */
+static void mrts_smooth_node(const mrts_smooth_program *p, mrts_smooth_state *state, int k) {
+    const int r = p->rows;
+    const long long at = (long long)k * r;
+    const double x = state->x[k], u = state->u[k];
+    const double *F = state->free + (long long)k * p->free, *entry = p->entry + (long long)k * p->width;
+    const double *square = p->square + at, *rate = p->rate + at, *offset = p->offset + at;
+    double *value = state->value + at, *above = state->above + at, *below = state->below + at;
+    for (int j = 0; j < r; ++j) {
+        double sum = square[j] * x + rate[j] * u + offset[j];
+        const double *f = F + p->first[j], *e = entry + p->place[j];
+        for (int l = 0; l < p->count[j]; ++l) sum += e[l] * f[l];
+        value[j] = sum;
+    }
+    double *above_x = state->above_x + at, *below_x = state->below_x + at;
+    if (!p->root) {
+        for (int j = 0; j < r; ++j) {
+            above[j] = below[j] = value[j];
+            above_x[j] = below_x[j] = square[j];
+        }
+        return;
+    }
+    const double root = sqrt(x), a = state->root_around[k];
+    const double exact_x = 1 / (2 * root), tangent_x = 1 / (2 * a), tangent = a + (x - a * a) * tangent_x;
+    for (int j = 0; j < r; ++j) {
+        const double by = p->root[at + j];
+        above[j] = value[j] + by * (by > 0 ? tangent : root);
+        below[j] = value[j] + by * (by > 0 ? root : tangent);
+        above_x[j] = square[j] + by * (by > 0 ? tangent_x : exact_x);
+        below_x[j] = square[j] + by * (by > 0 ? exact_x : tangent_x);
+    }
+}
+
+/* Cones of one node. */
+static void mrts_smooth_cones(const mrts_smooth_program *p, mrts_smooth_state *state, int k, double *g) {
+    const double u = state->u[k], x = state->x[k];
+    for (int i = 0; i < p->cones; ++i) {
+        const long long at = (long long)k * p->cones + i;
+        const double *gram = p->gram + 9 * at, *bound = p->bound + 3 * at;
+        const double along_u = gram[0] * u + gram[1] * x + gram[2], along_x = gram[3] * u + gram[4] * x + gram[5];
+        const double square = along_u * u + along_x * x + gram[6] * u + gram[7] * x + gram[8];
+        const double root = sqrt((square > 0 ? square : 0) + MRTS_SMOOTH_APEX * MRTS_SMOOTH_APEX);
+        state->cone_u[at] = along_u / root;
+        state->cone_x[at] = along_x / root;
+        state->cone_root[at] = root;
+        g[i] = root - bound[0] * u - bound[1] * x - bound[2];
+    }
+}
+
+/* Of joint i at end e of a segment: q1 (u' - u) / step + 3 q2 u_e + q3 x_e, in units of its limit at `around`. */
+static double mrts_smooth_jerk(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int e, int i,
+                               double slope, double u, double x) {
+    const long long node = (long long)(k + e) * p->jerks + i, segment = (2LL * k + e) * p->jerks + i;
+    return (p->q1[node] * slope + 3 * p->q2[node] * u + p->q3[segment] * x) * state->root_around[k + e] / p->jerk[i];
+}
+
+/* The slots of a segment; with `shift` 1 values g, with 0 what they change where x, u, above and below are changes. */
+static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int shift,
+                                const double *x, const double *u, const double *above, const double *below, double *g) {
+    const int r = p->rows, c = p->changes, J = p->jerks;
+    const double *a = state->around;
+    const double dx0 = x[k] - shift * a[k], dx1 = x[k + 1] - shift * a[k + 1];
+    const double time = shift + state->time_x[k] * dx0 + state->time_x1[k] * dx1;
+    const double *above0 = above + (long long)k * r, *below0 = below + (long long)k * r;
+    const double *above1 = above0 + r, *below1 = below0 + r;
+    for (int i = 0; i < c; ++i) {
+        const int j = p->limited[i];
+        const double by = state->by_time[k] * state->by_change[i];
+        g[i] = by * (above1[j] - below0[j]) - time;
+        g[c + i] = by * (above0[j] - below1[j]) - time;
+    }
+    g += 2 * c;
+    const double slope = (u[k + 1] - u[k]) / p->step[k];
+    for (int e = 0; e < 2; ++e, g += 2 * J) {
+        const double limit = shift - (e ? dx1 : dx0) / (2 * a[k + e]);
+        for (int i = 0; i < J; ++i) {
+            const double jerk = mrts_smooth_jerk(p, state, k, e, i, slope, u[k + e], x[k + e]);
+            g[i] = jerk - limit;
+            g[J + i] = -jerk - limit;
+        }
+    }
+}
+
+/* g of every slot, and what of the rows goes into it. */
+static void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *state, double *g) {
+    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
+    const int segment = mrts_smooth_node_slots(p);
+    for (int k = 0; k < n; ++k) {
+        mrts_smooth_node(p, state, k);
+        mrts_smooth_cones(p, state, k, g + (long long)k * slots + 2 * r);
+        const long long at = (long long)k * r;
+        double *here = g + (long long)k * slots;
+        for (int j = 0; j < r; ++j) {
+            here[j] = state->above[at + j] - p->upper[at + j];
+            here[r + j] = p->lower[at + j] - state->below[at + j];
+        }
+    }
+    for (int k = 0; k < n - 1; ++k) {
+        mrts_smooth_segment(p, state, k, 1, state->x, state->u, state->above, state->below,
+                            g + (long long)k * slots + segment);
+    }
+}
+
+/* What a step (dx, du, df) of the profile changes in every g, to first order. */
+static void mrts_smooth_moved(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *dx,
+                                  const double *du, const double *df, double *dg) {
+    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
+    double *above = state->row_weight, *below = state->row_cross; /* their second derivatives have been used */
+    for (int k = 0; k < n; ++k) {
+        const long long at = (long long)k * r;
+        const double *F = df + (long long)k * p->free, *entry = p->entry + (long long)k * p->width;
+        double *here = dg + (long long)k * slots;
+        for (int j = 0; j < r; ++j) {
+            double sum = p->rate[at + j] * du[k];
+            const double *f = F + p->first[j], *e = entry + p->place[j];
+            for (int l = 0; l < p->count[j]; ++l) sum += e[l] * f[l];
+            above[at + j] = here[j] = sum + state->above_x[at + j] * dx[k];
+            below[at + j] = sum + state->below_x[at + j] * dx[k];
+            here[r + j] = -below[at + j];
+        }
+        for (int i = 0; i < p->cones; ++i) {
+            const long long cone = (long long)k * p->cones + i;
+            here[2 * r + i] = (state->cone_u[cone] - p->bound[3 * cone]) * du[k] +
+                              (state->cone_x[cone] - p->bound[3 * cone + 1]) * dx[k];
+        }
+    }
+    for (int k = 0; k < n - 1; ++k) {
+        mrts_smooth_segment(p, state, k, 0, dx, du, above, below, dg + (long long)k * slots + mrts_smooth_node_slots(p));
+    }
+    if (p->longest < MRTS_INFINITY) dg[(long long)n * slots] = mrts_dot(n, state->duration_x, dx) / p->longest;
+}
+
+/* Sums of multipliers y by the rows of node k, into `pressing` where what lies above the row's value is to be small,
+ * and into `holding` where what lies below it is to be large. */
+static void mrts_smooth_presses(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y, int k) {
+    const int n = p->nodes, r = p->rows, c = p->changes, slots = mrts_smooth_slots(p);
+    const double *here = y + (long long)k * slots;
+    for (int j = 0; j < r; ++j) {
+        state->pressing[j] = here[j];
+        state->holding[j] = here[r + j];
+    }
+    for (int s = k > 0 ? k - 1 : 0; s <= k && s < n - 1; ++s) {
+        const double *up = y + (long long)s * slots + mrts_smooth_node_slots(p), *down = up + c;
+        const double *pressing = s < k ? up : down, *holding = s < k ? down : up;
+        for (int i = 0; i < c; ++i) {
+            const double by = state->by_time[s] * state->by_change[i];
+            state->pressing[p->limited[i]] += by * pressing[i];
+            state->holding[p->limited[i]] += by * holding[i];
+        }
+    }
+}
+
+/* Adds the gradient of sum y g along x, u and F. */
+static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y, double *gx,
+                                   double *gu, double *gf) {
+    const int n = p->nodes, r = p->rows, c = p->changes, J = p->jerks, slots = mrts_smooth_slots(p);
+    for (int k = 0; k < n; ++k) {
+        const long long at = (long long)k * r;
+        const double *entry = p->entry + (long long)k * p->width;
+        double *F = gf + (long long)k * p->free, along_x = 0, along_u = 0;
+        mrts_smooth_presses(p, state, y, k);
+        for (int j = 0; j < r; ++j) {
+            const double up = state->pressing[j], down = state->holding[j], both = up - down;
+            along_x += up * state->above_x[at + j] - down * state->below_x[at + j];
+            along_u += both * p->rate[at + j];
+            const double *e = entry + p->place[j];
+            double *f = F + p->first[j];
+            for (int l = 0; l < p->count[j]; ++l) f[l] += both * e[l];
+        }
+        for (int i = 0; i < p->cones; ++i) {
+            const long long cone = (long long)k * p->cones + i;
+            const double by = y[(long long)k * slots + 2 * r + i];
+            along_u += by * (state->cone_u[cone] - p->bound[3 * cone]);
+            along_x += by * (state->cone_x[cone] - p->bound[3 * cone + 1]);
+        }
+        gx[k] += along_x;
+        gu[k] += along_u;
+    }
+    for (int k = 0; k < n - 1; ++k) {
+        const double *here = y + (long long)k * slots + mrts_smooth_node_slots(p);
+        double time = 0, slope = 0;
+        for (int i = 0; i < 2 * c; ++i) time += here[i];
+        gx[k] -= time * state->time_x[k];
+        gx[k + 1] -= time * state->time_x1[k];
+        here += 2 * c;
+        for (int e = 0; e < 2; ++e, here += 2 * J) {
+            const double *q1 = p->q1 + (long long)(k + e) * J, *q2 = p->q2 + (long long)(k + e) * J;
+            const double *q3 = p->q3 + (2LL * k + e) * J;
+            const double root = state->root_around[k + e], share = 1 / (2 * state->around[k + e]);
+            for (int i = 0; i < J; ++i) {
+                const double both = (here[i] - here[J + i]) * root / p->jerk[i];
+                slope += both * q1[i];
+                gu[k + e] += both * 3 * q2[i];
+                gx[k + e] += both * q3[i] + (here[i] + here[J + i]) * share;
+            }
+        }
+        gu[k] -= slope / p->step[k];
+        gu[k + 1] += slope / p->step[k];
+    }
+    if (p->longest < MRTS_INFINITY) {
+        const double by = y[(long long)n * slots] / p->longest;
+        for (int k = 0; k < n; ++k) gx[k] += by * state->duration_x[k];
+    }
+}
+
+/*
+ * The objective of smooth timing and all second derivatives, by nodes and segments, along x, u and the rows' values.
+ */
+
+/* Half the lengths of the segments beside a node: the trapezoidal rule. */
+static double mrts_smooth_spacing(const mrts_smooth_program *p, int k) {
+    return ((k > 0 ? p->step[k - 1] : 0) + (k < p->nodes - 1 ? p->step[k] : 0)) / 2;
+}
+
+/* The objective in its unit, its gradient added along x, u and F, and the duration. */
+static double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smooth_state *state, double *gx, double *gu,
+                                        double *gf, double *duration) {
+    const int n = p->nodes, r = p->rows;
+    double total = 0, effort = 0;
+    for (int k = 0; k < n; ++k) state->duration_x[k] = 0;
+    for (int k = 0; k < n - 1; ++k) {
+        const double root = sqrt(state->x[k]), next = sqrt(state->x[k + 1]), sum = root + next;
+        total += 2 * p->step[k] / sum;
+        state->duration_x[k] -= p->step[k] / (sum * sum * root);
+        state->duration_x[k + 1] -= p->step[k] / (sum * sum * next);
+    }
+    *duration = total;
+    for (int k = 0; k < n; ++k) gx[k] += p->time / state->unit * state->duration_x[k];
+    for (int k = 0; p->effort > 0 && p->weight && k < n; ++k) {
+        const long long at = (long long)k * r;
+        const double root = sqrt(state->x[k]), a = state->root_around[k];
+        const double by = p->effort * mrts_smooth_spacing(p, k) / state->unit;
+        const double tangent = a + (state->x[k] - a * a) / (2 * a);
+        const double *entry = p->entry + (long long)k * p->width;
+        double *F = gf + (long long)k * p->free;
+        for (int j = 0; j < r; ++j) {
+            const double weight = by * p->weight[j], v = state->value[at + j], lift = p->root ? p->root[at + j] : 0;
+            if (weight == 0) continue;
+            const double along = weight * (2 * v / root + 2 * lift);
+            effort += weight * (v * v / root + 2 * lift * v + lift * lift * tangent);
+            gx[k] += along * p->square[at + j] + weight * (lift * lift / (2 * a) - v * v / (2 * root * state->x[k]));
+            gu[k] += along * p->rate[at + j];
+            const double *e = entry + p->place[j];
+            double *f = F + p->first[j];
+            for (int l = 0; l < p->count[j]; ++l) f[l] += along * e[l];
+        }
+    }
+    double uneven = 0;
+    for (int k = 0; k < n - 1; ++k) {
+        const double by = p->uneven / (state->unit * p->step[k]), jump = state->u[k + 1] - state->u[k];
+        uneven += by * jump * jump;
+        gu[k] -= 2 * by * jump;
+        gu[k + 1] += 2 * by * jump;
+    }
+    return p->time / state->unit * total + effort + uneven;
+}
+
+/* Of a node: its cones' slots. */
+static void mrts_smooth_cone_second(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *weight,
+                                    const double *multiplier, int k, double *second) {
+    for (int i = 0; i < p->cones; ++i) {
+        const long long at = (long long)k * p->cones + i;
+        const double *gram = p->gram + 9 * at, *bound = p->bound + 3 * at;
+        const double u = state->cone_u[at], x = state->cone_x[at], bend = multiplier[i] / state->cone_root[at];
+        const double along_u = u - bound[0], along_x = x - bound[1];
+        second[0] += weight[i] * along_x * along_x + bend * (gram[4] - x * x);
+        second[1] += weight[i] * along_x * along_u + bend * (gram[1] - x * u);
+        second[2] += weight[i] * along_u * along_u + bend * (gram[0] - u * u);
+    }
+}
+
+/* Of a node: its slots, the effort, and the bend of what replaces roots. */
+static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
+                                    const double *multiplier, int k) {
+    const int r = p->rows, slots = mrts_smooth_slots(p);
+    const long long at = (long long)k * r;
+    const double *above = weight + (long long)k * slots, *below = above + r;
+    double *along = state->row_weight + at, *cross = state->row_cross + at, second = 0;
+    for (int j = 0; j < r; ++j) {
+        const double up = above[j], down = below[j];
+        const double up_x = state->above_x[at + j], down_x = state->below_x[at + j];
+        along[j] = up + down;
+        cross[j] = up * up_x + down * down_x;
+        second += up * up_x * up_x + down * down_x * down_x;
+    }
+    const double x = state->x[k], root = sqrt(x);
+    if (p->effort > 0 && p->weight) {
+        const double by = p->effort * mrts_smooth_spacing(p, k) / state->unit;
+        for (int j = 0; j < r; ++j) {
+            const double share = by * p->weight[j] / root, square = p->square[at + j], v = state->value[at + j] / x;
+            along[j] += 2 * share;
+            cross[j] += share * (2 * square - v);
+            second += share * (2 * square * square - 2 * square * v + 0.75 * v * v);
+        }
+    }
+    if (p->root) {
+        mrts_smooth_presses(p, state, multiplier, k);
+        for (int j = 0; j < r; ++j) {
+            const double by = p->root[at + j];
+            second += (by < 0 ? -by * state->pressing[j] : by * state->holding[j]) / (4 * x * root);
+        }
+    }
+    state->node_second[3 * k] = second;
+    state->node_second[3 * k + 1] = state->node_second[3 * k + 2] = 0;
+    mrts_smooth_cone_second(p, state, below + r, multiplier + (long long)k * slots + 2 * r, k,
+                            state->node_second + 3 * k);
+}
+
+/* Of a segment: the duration, weighed by `time`. */
+static void mrts_smooth_time_second(const mrts_smooth_program *p, mrts_smooth_state *state, double time, int k) {
+    const double x = state->x[k], next = state->x[k + 1], root = sqrt(x), root1 = sqrt(next), sum = root + root1;
+    const double by = time * p->step[k] / (sum * sum);
+    state->node_second[3 * k] += by * (1 / (sum * x) + 1 / (2 * x * root));
+    state->node_second[3 * k + 3] += by * (1 / (sum * next) + 1 / (2 * next * root1));
+    state->segment_second[4 * k] += by / (sum * root * root1);
+}
+
+/* Of a segment: its changes. */
+static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights,
+                                      int k) {
+    const int r = p->rows, c = p->changes;
+    const long long at = (long long)k * r, of = (long long)k * c;
+    const double time0 = state->time_x[k], time1 = state->time_x1[k];
+    double second0 = 0, second1 = 0, mixed = 0;
+    for (int i = 0; i < c; ++i) {
+        const int j = p->limited[i];
+        const double by = state->by_time[k] * state->by_change[i];
+        const double up = weights[i], down = weights[c + i];
+        const double up0 = by * state->below_x[at + j] + time0, up1 = by * state->above_x[at + r + j] - time1;
+        const double down0 = by * state->above_x[at + j] - time0, down1 = by * state->below_x[at + r + j] + time1;
+        const double weight = by * by * (up + down);
+        const double before = by * (up * up0 + down * down0), after = by * (up * up1 + down * down1);
+        state->change_weight[of + i] = weight;
+        state->change_before[of + i] = before;
+        state->change_after[of + i] = after;
+        state->row_weight[at + j] += weight;
+        state->row_weight[at + r + j] += weight;
+        state->row_cross[at + j] += before;
+        state->row_cross[at + r + j] += after;
+        second0 += up * up0 * up0 + down * down0 * down0;
+        second1 += up * up1 * up1 + down * down1 * down1;
+        mixed -= up * up0 * up1 + down * down0 * down1;
+    }
+    state->node_second[3 * k] += second0;
+    state->node_second[3 * k + 3] += second1;
+    state->segment_second[4 * k] += mixed;
+}
+
+/* Of a segment: its jerks. */
+static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights,
+                                    int k) {
+    const int J = p->jerks;
+    double *segment = state->segment_second + 4 * k;
+    for (int e = 0; e < 2; ++e, weights += 2 * J) {
+        const double *q1 = p->q1 + (long long)(k + e) * J, *q2 = p->q2 + (long long)(k + e) * J;
+        const double *q3 = p->q3 + (2LL * k + e) * J;
+        const double share = 1 / (2 * state->around[k + e]), root = state->root_around[k + e], by_step = 1 / p->step[k];
+        double xx = 0, x_here = 0, x_there = 0, here_here = 0, here_there = 0, there_there = 0;
+        for (int i = 0; i < J; ++i) { /* `here` is the u of end e */
+            const double by = root / p->jerk[i], slope = e ? by * q1[i] * by_step : -by * q1[i] * by_step;
+            const double here = slope + 3 * by * q2[i], there = -slope;
+            const double up = weights[i], down = weights[J + i];
+            const double up_x = by * q3[i] + share, down_x = by * q3[i] - share;
+            const double weight = up + down, cross = up * up_x + down * down_x;
+            xx += up * up_x * up_x + down * down_x * down_x;
+            x_here += cross * here;
+            x_there += cross * there;
+            here_here += weight * here * here;
+            here_there += weight * here * there;
+            there_there += weight * there * there;
+        }
+        double *at = state->node_second + 3 * (k + e), *other = state->node_second + 3 * (k + 1 - e);
+        at[0] += xx;
+        at[1] += x_here;
+        at[2] += here_here;
+        other[2] += there_there;
+        segment[e ? 2 : 1] += x_there;
+        segment[3] += here_there;
+    }
+}
+
+/* Second derivatives of objective + sum of multiplier g, plus sum of weight times g's gradient squared. */
+static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
+                                   const double *multiplier) {
+    const int n = p->nodes, slots = mrts_smooth_slots(p);
+    double time = p->time / state->unit;
+    if (p->longest < MRTS_INFINITY) time += multiplier[(long long)n * slots] / p->longest;
+    for (int k = 0; k < n; ++k) mrts_smooth_node_second(p, state, weight, multiplier, k);
+    for (int k = 0; k < n - 1; ++k) {
+        const long long at = (long long)k * slots + mrts_smooth_node_slots(p);
+        for (int i = 0; i < 4; ++i) state->segment_second[4 * k + i] = 0;
+        mrts_smooth_time_second(p, state, time, k);
+        const double even = 2 * p->uneven / (state->unit * p->step[k]);
+        state->node_second[3 * k + 2] += even;
+        state->node_second[3 * k + 5] += even;
+        state->segment_second[4 * k + 3] -= even;
+        mrts_smooth_change_second(p, state, weight + at, k);
+        mrts_smooth_jerk_second(p, state, weight + at + 2 * p->changes, k);
+    }
+}
+
+/*
+ * The Newton matrix of smooth timing, factored node by node. Unknowns are F_0, c_0, F_1, c_1, ..., F_(n-1), c_(n-1),
+ * c_n with the control points c; node k's front is F_k, c_k, which are eliminated, and F_(k+1), c_(k+1), c_(k+2), which
+ * are all that they meet.
+ */
+
+/* Number of unknowns. */
+static inline long long mrts_front_unknowns(const mrts_smooth_program *p) {
+    return (long long)p->nodes * (p->free + 1) + 1;
+}
+
+#define MRTS_FRONT_PIVOT 1e-16 /* a pivot below this share of its diagonal is rounding: its unknown does not move */
+#define MRTS_FRONT_ROWS 4         /* of a front that are worked on together */
+#define MRTS_FRONT_SOFT 1e-15  /* of its diagonal, added to each: F that nothing determines stays where it is */
+
+/* Reals of the factor, and of work of one front. */
+static long long mrts_front_size(const mrts_smooth_program *p) {
+    const long long f = p->free;
+    return (p->nodes - 1) * (2 * f + 3) * (f + 1) + (f + 2) * (f + 2);
+}
+
+static long long mrts_front_work(const mrts_smooth_program *p) {
+    const long long f = p->free;
+    return (2 * f + 3) * (2 * f + 3) + (f + 2) + (f + 2) * (f + 2) +
+           (2 * f + 3) / MRTS_FRONT_ROWS + 1;
+}
+
+/* Whether F_k, control point k is given. */
+static int mrts_front_held(const mrts_smooth_program *p, int k) {
+    return (k == 0 && p->held_start) || (k == p->nodes - 1 && p->held_end);
+}
+static int mrts_front_given(const mrts_smooth_program *p, int k) {
+    return p->timed || (k == 0 && p->given_start) || (k == p->nodes && p->given_end);
+}
+
+/* A += by a b', columns of A from a row of `stride` to the next; the count is a constant where it is often met. */
+static inline void mrts_front_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
+    for (int i = 0; i < count; ++i) {
+        const double left = by * a[i];
+        for (int l = 0; l < count; ++l) A[i * stride + l] += left * b[l];
+    }
+}
+
+static void mrts_front_add_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
+    if (count == 6) mrts_front_outer(6, stride, by, a, b, A);
+    else if (count == 3) mrts_front_outer(3, stride, by, a, b, A);
+    else mrts_front_outer(count, stride, by, a, b, A);
+}
+
+/* Adds node k to the lower triangle of a front of size m; c_(k+1) has the place `next`. Its own places are adjacent. */
+static void mrts_front_add_node(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int m, int next,
+                                double *A, double *diagonal) {
+    const int f = p->free, r = p->rows;
+    const long long at = (long long)k * r;
+    const double *weight = state->row_weight + at, *cross = state->row_cross + at, *rate = p->rate + at;
+    const double *entry = p->entry + (long long)k * p->width;
+    const double near = state->near[k], far = state->far[k], slope = state->slope[k];
+    const double xx = state->node_second[3 * k];
+    double xu = state->node_second[3 * k + 1], uu = state->node_second[3 * k + 2];
+    double *of_c = A + f * m, *of_next = A + next * m;
+    for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i];
+    for (int j = 0; j < r; ++j) {
+        const double *e = entry + p->place[j];
+        const double along_u = weight[j] * rate[j];
+        const double by_c = near * cross[j] - slope * along_u, by_next = far * cross[j] + slope * along_u;
+        const int first = p->first[j], count = p->count[j];
+        xu += cross[j] * rate[j];
+        uu += along_u * rate[j];
+        mrts_front_add_outer(count, m, weight[j], e, e, A + first * m + first);
+        for (int i = 0; i < count; ++i) {
+            of_c[first + i] += by_c * e[i];
+            of_next[first + i] += by_next * e[i];
+        }
+    }
+    for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i] - diagonal[i];
+    const double cc = near * near * xx - 2 * near * slope * xu + slope * slope * uu;
+    const double nn = far * far * xx + 2 * far * slope * xu + slope * slope * uu;
+    of_c[f] += cc;
+    of_next[f] += near * far * xx + slope * (near - far) * xu - slope * slope * uu;
+    of_next[next] += nn;
+    diagonal[f] = cc;
+    diagonal[f + 1] = nn;
+}
+
+/* Adds what segment k has between its nodes. */
+static void mrts_front_add_segment(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, double *A) {
+    const int f = p->free, r = p->rows, c = p->changes, m = 2 * f + 3;
+    const double *entry0 = p->entry + (long long)k * p->width, *entry1 = entry0 + p->width;
+    const double *rate0 = p->rate + (long long)k * r, *rate1 = rate0 + r;
+    const double near0 = state->near[k], far0 = state->far[k], slope0 = state->slope[k];
+    const double near1 = state->near[k + 1], far1 = state->far[k + 1], slope1 = state->slope[k + 1];
+    double xx = state->segment_second[4 * k], xu = state->segment_second[4 * k + 1];
+    double ux = state->segment_second[4 * k + 2], uu = state->segment_second[4 * k + 3];
+    double *of_c1 = A + (2 * f + 1) * m, *of_c2 = A + (2 * f + 2) * m;
+    for (int i = 0; i < c; ++i) {
+        const int j = p->limited[i], first = p->first[j], count = p->count[j];
+        const double weight = state->change_weight[(long long)k * c + i];
+        const double before = state->change_before[(long long)k * c + i];
+        const double after = state->change_after[(long long)k * c + i];
+        const double *e0 = entry0 + p->place[j], *e1 = entry1 + p->place[j];
+        xu -= before * rate1[j];
+        ux -= after * rate0[j];
+        uu -= weight * rate0[j] * rate1[j];
+        const double here1 = -near1 * after + slope1 * weight * rate1[j]; /* value here with c_(k+1), c_(k+2) there */
+        const double here2 = -far1 * after - slope1 * weight * rate1[j];
+        const double there0 = -near0 * before + slope0 * weight * rate0[j]; /* value there with c_k, c_(k+1) here */
+        const double there1 = -far0 * before - slope0 * weight * rate0[j];
+        mrts_front_add_outer(count, m, -weight, e1, e0, A + (f + 1 + first) * m + first);
+        for (int l = 0; l < count; ++l) {
+            A[(f + 1 + first + l) * m + f] += there0 * e1[l];
+            of_c1[f + 1 + first + l] += there1 * e1[l];
+            of_c1[first + l] += here1 * e0[l];
+            of_c2[first + l] += here2 * e0[l];
+        }
+    }
+    /* (x, u) of the nodes by (c_k, c_(k+1)) and (c_(k+1), c_(k+2)) */
+    const double x1 = near1 * xx - slope1 * xu, x2 = far1 * xx + slope1 * xu;
+    const double u1 = near1 * ux - slope1 * uu, u2 = far1 * ux + slope1 * uu;
+    of_c1[f] += near0 * x1 - slope0 * u1;
+    of_c2[f] += near0 * x2 - slope0 * u2;
+    of_c1[2 * f + 1] += 2 * (far0 * x1 + slope0 * u1);
+    of_c2[2 * f + 1] += far0 * x2 + slope0 * u2;
+}
+
+/* Takes the row and column of an unknown out of a front of size m. */
+static void mrts_front_hold(int m, int i, double *A, double one) {
+    for (int l = 0; l < i; ++l) A[i * m + l] = 0;
+    for (int l = i + 1; l < m; ++l) A[l * m + i] = 0;
+    A[i * m + i] = one;
+}
+
+/* Products of some rows of `stride` with another one, from a column to before another. */
+static inline void mrts_front_dots(int count, int from, int to, int stride, const double *rows, const double *with,
+                                   double *sums) {
+    if (count < MRTS_FRONT_ROWS) {
+        for (int k = 0; k < count; ++k) sums[k] = mrts_dot(to - from, rows + k * stride + from, with + from);
+        return;
+    }
+    const double *a = rows, *b = a + stride, *c = b + stride, *d = c + stride;
+    double s0 = 0, s1 = 0, s2 = 0, s3 = 0; /* what is independent overlaps */
+    for (int l = from; l < to; ++l) {
+        const double by = with[l];
+        s0 += a[l] * by;
+        s1 += b[l] * by;
+        s2 += c[l] * by;
+        s3 += d[l] * by;
+    }
+    sums[0] = s0;
+    sums[1] = s1;
+    sums[2] = s2;
+    sums[3] = s3;
+}
+
+/* The first column of rows of a front that is not 0, at most p. */
+static int mrts_front_first(int rows, int p, int m, const double *A) {
+    for (int l = 0; l < p; ++l) {
+        for (int i = 0; i < rows; ++i) {
+            if (A[i * m + l] != 0) return l;
+        }
+    }
+    return p;
+}
+
+/* Eliminates the first p unknowns of a front of size m: their columns of the factor go to L, (m, p), what is left
+ * stays in the lower triangle of A. Rows begin where they are not 0: unknowns of one corner of a box of loads meet
+ * those of others only by what elimination fills in. */
+static void mrts_front_eliminate(int m, int p, double *A, const double *diagonal, double *L, double *starts) {
+    double sums[MRTS_FRONT_ROWS];
+    for (int i = 0; i < m; i += MRTS_FRONT_ROWS) {
+        const int rows = m - i < MRTS_FRONT_ROWS ? m - i : MRTS_FRONT_ROWS, done = i < p ? i : p;
+        const int start = mrts_front_first(rows, done, m, A + i * m);
+        double *row = L + i * p;
+        starts[i / MRTS_FRONT_ROWS] = start;
+        for (int k = 0; k < rows * p; ++k) row[k] = 0;
+        for (int j = start; j < done; ++j) {
+            mrts_front_dots(rows, start, j, p, row, L + j * p, sums);
+            for (int k = 0; k < rows; ++k) row[k * p + j] = (A[(i + k) * m + j] - sums[k]) * L[j * p + j];
+        }
+        for (int k = i; k < i + rows; ++k, row += p) { /* what the rows have between themselves */
+            for (int j = done; j < k && j < p; ++j) {
+                row[j] = (A[k * m + j] - mrts_dot(j - start, row + start, L + j * p + start)) * L[j * p + j];
+            }
+            if (k >= p) continue; /* a diagonal is kept as its reciprocal */
+            const double taken = mrts_dot(k - start, row + start, row + start);
+            const double pivot = A[k * m + k] + MRTS_FRONT_SOFT * diagonal[k] - taken;
+            row[k] = pivot > MRTS_FRONT_PIVOT * diagonal[k] ? 1 / sqrt(pivot) : 0;
+        }
+    }
+    for (int i = p; i < m; i += MRTS_FRONT_ROWS) {
+        const int rows = m - i < MRTS_FRONT_ROWS ? m - i : MRTS_FRONT_ROWS;
+        for (int j = p; j < i + rows; ++j) {
+            const int start = (int)starts[j / MRTS_FRONT_ROWS];
+            mrts_front_dots(rows, start, p, p, L + i * p, L + j * p, sums);
+            for (int k = 0; k < rows; ++k) A[(i + k) * m + j] -= sums[k];
+        }
+    }
+}
+
+/* Factors the matrix that the second derivatives of the state make. */
+static void mrts_front_factor(const mrts_smooth_program *p, const mrts_smooth_state *state, double *factor,
+                                  double *work) {
+    const int n = p->nodes, f = p->free, size = f + 2;
+    double *A = work, *diagonal = work + (2 * f + 3) * (2 * f + 3), *carried = diagonal + size;
+    double *starts = carried + size * size;
+    for (int i = 0; i < size * size; ++i) carried[i] = 0;
+    for (int k = 0; k < n; ++k) {
+        const int last = k == n - 1, pivots = last ? size : f + 1;
+        const int m = last ? size : 2 * f + 3, next = last ? f + 1 : 2 * f + 1;
+        for (int i = 0; i < m * m; ++i) A[i] = 0;
+        for (int i = 0; i < size; ++i) {
+            double *row = A + (i < f + 1 ? i : next) * m;
+            for (int j = 0; j <= i; ++j) row[j < f + 1 ? j : next] = carried[i * size + j];
+        }
+        mrts_front_add_node(p, state, k, m, next, A, diagonal);
+        if (!last) mrts_front_add_segment(p, state, k, A);
+        for (int i = 0; i < f && mrts_front_held(p, k); ++i) mrts_front_hold(m, i, A, diagonal[i] = 1);
+        for (int i = 0; i < f && !last && mrts_front_held(p, k + 1); ++i) mrts_front_hold(m, f + 1 + i, A, 0);
+        if (mrts_front_given(p, k)) mrts_front_hold(m, f, A, diagonal[f] = 1);
+        if (mrts_front_given(p, k + 1)) mrts_front_hold(m, next, A, last ? (diagonal[f + 1] = 1) : 0);
+        if (!last && mrts_front_given(p, k + 2)) mrts_front_hold(m, 2 * f + 2, A, 0);
+        mrts_front_eliminate(m, pivots, A, diagonal, factor, starts);
+        factor += m * pivots;
+        for (int i = 0; i < size && !last; ++i) {
+            for (int j = 0; j <= i; ++j) carried[i * size + j] = A[(pivots + i) * m + pivots + j];
+        }
+    }
+}
+
+/* Solves for a right side in place; entries of what is given are 0 on return. */
+static void mrts_front_solve(const mrts_smooth_program *p, const double *factor, double *b) {
+    const int n = p->nodes, f = p->free, q = f + 1, m = 2 * f + 3;
+    for (int k = 0; k < n; ++k) { /* what is given does not move */
+        for (int i = 0; i < f && mrts_front_held(p, k); ++i) b[(long long)k * q + i] = 0;
+        if (mrts_front_given(p, k)) b[(long long)k * q + f] = 0;
+    }
+    if (mrts_front_given(p, n)) b[(long long)n * q] = 0;
+    for (int k = 0; k < n; ++k) {
+        const double *L = factor + (long long)k * m * q;
+        double *here = b + (long long)k * q;
+        const int pivots = k < n - 1 ? q : f + 2;
+        for (int i = 0; i < pivots; ++i) here[i] = (here[i] - mrts_dot(i, L + i * pivots, here)) * L[i * pivots + i];
+        if (k == n - 1) break;
+        for (int i = 0; i < q; ++i) here[q + i] -= mrts_dot(q, L + (q + i) * q, here);
+        here[k == n - 2 ? 2 * q : 2 * q + f] -= mrts_dot(q, L + 2 * q * q, here);
+    }
+    for (int k = n - 1; k >= 0; --k) {
+        const double *L = factor + (long long)k * m * q;
+        double *here = b + (long long)k * q;
+        const int pivots = k < n - 1 ? q : f + 2;
+        for (int i = q; i < m && k < n - 1; ++i) {
+            const double z = i < 2 * q ? here[i] : here[k == n - 2 ? 2 * q : 2 * q + f];
+            for (int j = 0; j < q; ++j) here[j] -= z * L[i * q + j];
+        }
+        for (int i = pivots - 1; i >= 0; --i) {
+            here[i] *= L[i * pivots + i];
+            for (int j = 0; j < i; ++j) here[j] -= here[i] * L[i * pivots + j];
+        }
+    }
+}
+
+/* A gradient along x, u and F as one along the unknowns. */
+static void mrts_front_gather(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *gx,
+                                  const double *gu, const double *gf, double *b) {
+    const int f = p->free, q = f + 1;
+    double passed = 0;
+    for (int k = 0; k < p->nodes; ++k) {
+        double *here = b + (long long)k * q;
+        for (int i = 0; i < f; ++i) here[i] = gf[(long long)k * f + i];
+        here[f] = passed + state->near[k] * gx[k] - state->slope[k] * gu[k];
+        passed = state->far[k] * gx[k] + state->slope[k] * gu[k];
+    }
+    b[(long long)p->nodes * q] = passed;
+}
+
+/* A step of the unknowns as one of x, u and F. */
+static void mrts_front_scatter(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *b,
+                                   double *dx, double *du, double *df) {
+    const int n = p->nodes, f = p->free, q = f + 1;
+    for (int k = 0; k < n; ++k) {
+        const double *here = b + (long long)k * q;
+        const double c = here[f], next = k < n - 1 ? here[q + f] : here[q];
+        for (int i = 0; i < f; ++i) df[(long long)k * f + i] = here[i];
+        dx[k] = state->near[k] * c + state->far[k] * next;
+        du[k] = state->slope[k] * (next - c);
+    }
+}
+
+/*
+ * The program by a primal-dual interior point method: Newton steps with predictor and corrector
+ * (S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optimization 2, 1992), started
+ * outside the limits.
+ */
+
+/* How a program ends. */
+enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
+
+#define MRTS_SMOOTH_MOST 200       /* iterations: a step takes 10 to 30, one with room over 3000 nodes 160 */
+#define MRTS_SMOOTH_KEPT 5e-9      /* of a limit: rounding of a change over a short segment may be this large */
+#define MRTS_SMOOTH_GAP 3e-9       /* between the objective and its bound, of it */
+#define MRTS_SMOOTH_AIM 1e-9       /* the gap that steps aim at, at least: below it rounding grows */
+#define MRTS_SMOOTH_SHORT 1e-9     /* a step that ends this early leads nowhere */
+#define MRTS_SMOOTH_LARGE 1e14     /* a multiplier, of the objective: nothing keeps the limits */
+#define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
+#define MRTS_SMOOTH_SLACK 0.3      /* least one to start with, of a limit */
+#define MRTS_SMOOTH_FIRST 10       /* the gap to start with, of the objective */
+#define MRTS_SMOOTH_CENTRAL 0.3    /* the gap, of the objective, and the excess, of a limit, of the iterate kept for a program that is near: with less it
+                                   * is too near limits that have moved, with more it gains little */
+#define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
+#define MRTS_SMOOTH_LONG 0.3       /* a step this long needs no correction */
+#define MRTS_SMOOTH_PULLS 2        /* corrections of one step at most */
+#define MRTS_SMOOTH_FURTHER 0.3    /* by how much a correction is to lengthen a step */
+#define MRTS_SMOOTH_GAIN 0.05      /* by how much it must, or it was the last */
+#define MRTS_SMOOTH_OFF 0.1        /* share of the centre that a product may be */
+#define MRTS_SMOOTH_ROUNDING 1e-13 /* of a sum, what is left of it where all of it cancels */
+#define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
+
+/* The iterates and their steps. */
+typedef struct {
+    long long slots;           /* of all nodes, and that of the duration */
+    int present;               /* slots with a limit */
+    double *s, *y;             /* slacks and multipliers, infinity and 0 where there is no limit */
+    double *by_s, *weight;     /* 1 / s, 0 where there is no limit, and y / s */
+    double *missed, *ds, *dy;  /* g + s, and the steps */
+    double *target, *before;   /* multipliers that the right side is made of, and those tried before */
+    double *gx, *gu, *gf;      /* the gradient of the objective */
+    double *px, *pu, *pf;      /* another one, or a step */
+    double *b, *w;             /* unknowns: a right side and its step; the factor's answer to what borders the matrix */
+    double *border;            /* unknowns: how the share pulls at them */
+    double share;              /* by which limits of changes and jerks are relaxed */
+    double share_step;         /* of it */
+    double share_pull;         /* the second derivative along it that the border leaves */
+    double *factor, *fronts;
+    double slack_reach;        /* the longest parts of a step that leave slacks, multipliers and x no less than 0 */
+    double dual_reach, x_reach;
+    double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
+} mrts_smooth_iterate;
+
+static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
+    return (long long)p->nodes * mrts_smooth_slots(p) + 2;
+}
+
+/* The slots of the duration and of the share. */
+static long long mrts_smooth_duration_slot(const mrts_smooth_program *p) {
+    return (long long)p->nodes * mrts_smooth_slots(p);
+}
+static long long mrts_smooth_share_slot(const mrts_smooth_program *p) { return mrts_smooth_duration_slot(p) + 1; }
+
+/* Whether a slot is that of a change or of a jerk. */
+static int mrts_smooth_relaxes(const mrts_smooth_program *p, long long slot) {
+    return slot < mrts_smooth_duration_slot(p) && slot % mrts_smooth_slots(p) >= mrts_smooth_node_slots(p);
+}
+
+/* Reals of the iterate that a program leaves at the end of its work for one that is near: slacks and multipliers of all slots,
+ * F, control points of x, and the unit of the objective. */
+MRTS_EXPORT long long mrts_smooth_kept(const mrts_smooth_program *p) {
+    return 2 * mrts_smooth_all_slots(p) + (long long)p->nodes * (p->free + 1) + 2;
+}
+
+MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
+    const long long n = p->nodes;
+    mrts_smooth_state unused;
+    return mrts_smooth_state_in(p, 0, &unused) + 9 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
+           3 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
+}
+
+static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, nf = n * p->free, slots = mrts_smooth_all_slots(p);
+    double **of[] = {&at->s,  &at->y,  &at->by_s,   &at->weight, &at->missed,
+                     &at->ds, &at->dy, &at->target, &at->before};
+    at->slots = slots;
+    for (int i = 0; i < 9; ++i, memory += slots) *of[i] = memory;
+    at->gx = memory;
+    at->gu = at->gx + n;
+    at->gf = at->gu + n;
+    at->px = at->gf + nf;
+    at->pu = at->px + n;
+    at->pf = at->pu + n;
+    at->b = at->pf + nf;
+    at->w = at->b + mrts_front_unknowns(p);
+    at->border = at->w + mrts_front_unknowns(p);
+    at->factor = at->border + mrts_front_unknowns(p);
+    at->share = 0;
+    at->fronts = at->factor + mrts_front_size(p);
+    at->kept = at->fronts + mrts_front_work(p);
+}
+
+/* Marks the slots that have a limit by multipliers of 1. */
+static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_iterate *at) {
+    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p), segment = mrts_smooth_node_slots(p);
+    at->present = 0;
+    for (int k = 0; k < n; ++k) {
+        double *y = at->y + (long long)k * slots;
+        for (int i = 0; i < slots; ++i) y[i] = k < n - 1 && (i < segment + 2 * p->changes || !p->timed);
+        for (int j = 0; j < r; ++j) {
+            y[j] = p->upper[(long long)k * r + j] < MRTS_INFINITY;
+            y[r + j] = p->lower[(long long)k * r + j] > -MRTS_INFINITY;
+        }
+        for (int i = 0; i < p->cones; ++i) {
+            y[2 * r + i] = p->bound[3 * ((long long)k * p->cones + i) + 2] < MRTS_INFINITY;
+        }
+    }
+    at->y[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY && !p->timed;
+    at->y[mrts_smooth_share_slot(p)] = p->relaxed > 0;
+    for (long long i = 0; i < at->slots; ++i) at->present += at->y[i] > 0;
+}
+
+static void mrts_smooth_clear(long long count, double *a) {
+    for (long long i = 0; i < count; ++i) a[i] = 0;
+}
+
+static void mrts_smooth_copy(long long count, const double *from, double *to) {
+    for (long long i = 0; i < count; ++i) to[i] = from[i];
+}
+
+/* g of all slots into `g`, the objective and its gradient; its unit where `first`. */
+static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                   int first, double *g) {
+    const long long n = p->nodes;
+    double duration, objective;
+    mrts_smooth_values(p, state, g);
+    for (;;) {
+        mrts_smooth_clear(n * (2 + p->free), at->gx);
+        objective = mrts_smooth_objective(p, state, at->gx, at->gu, at->gf, &duration);
+        if (!first || !(objective > 0)) break;
+        state->unit = objective;
+        first = 0;
+    }
+    g[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
+    g[mrts_smooth_share_slot(p)] = -at->share;
+    return objective;
+}
+
+/* The slope of the Lagrangian along the share, with multipliers y. */
+static double mrts_smooth_share_slope(const mrts_smooth_program *p, const double *y) {
+    const long long last = mrts_smooth_share_slot(p);
+    double slope = p->relaxed - y[last];
+    for (long long i = 0; i < last; ++i) slope -= mrts_smooth_relaxes(p, i) ? y[i] : 0;
+    return slope;
+}
+
+/* By how much the slope of the Lagrangian would let it fall: twice what a Newton step with the last factor gains. */
+static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, unknowns = mrts_front_unknowns(p);
+    double sum = 0;
+    mrts_smooth_copy(n * (2 + p->free), at->gx, at->px);
+    mrts_smooth_pulled(p, state, at->y, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    mrts_smooth_copy(unknowns, at->b, at->w);
+    mrts_front_solve(p, at->factor, at->w);
+    for (long long i = 0; i < unknowns; ++i) sum += at->b[i] * at->w[i];
+    if (p->relaxed > 0) {
+        const double slope = mrts_smooth_share_slope(p, at->y);
+        sum += slope * slope / at->share_pull;
+    }
+    return sum;
+}
+
+/* The right side -gradient - sum of target g's gradient, solved for; the step goes to px, pu, pf and ds, dy. */
+static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, nf = n * p->free, unknowns = mrts_front_unknowns(p), last = mrts_smooth_duration_slot(p);
+    for (long long i = 0; i < 2 * n + nf; ++i) at->px[i] = at->gx[i];
+    mrts_smooth_pulled(p, state, at->target, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    for (long long i = 0; i < unknowns; ++i) at->b[i] = -at->b[i];
+    mrts_front_solve(p, at->factor, at->b);
+    double pulled = 0; /* what the duration's slot adds to its multiplier */
+    if (at->y[last] > 0) {
+        const double by = at->s[last] / at->y[last] * p->longest;
+        mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
+        const double alone = mrts_dot((int)n, state->duration_x, at->px);
+        mrts_front_scatter(p, state, at->w, at->px, at->pu, at->pf);
+        const double answered = mrts_dot((int)n, state->duration_x, at->px);
+        pulled = alone / (by + answered / p->longest);
+        for (long long i = 0; i < unknowns; ++i) at->b[i] -= pulled / p->longest * at->w[i];
+    }
+    double relaxed = 0; /* the step of the share */
+    if (p->relaxed > 0) {
+        for (long long i = 0; i < unknowns; ++i) relaxed += at->border[i] * at->b[i];
+        relaxed = (relaxed - mrts_smooth_share_slope(p, at->target)) / at->share_pull;
+        for (long long i = 0; i < unknowns; ++i) at->b[i] += relaxed * at->w[i];
+        at->ds[mrts_smooth_share_slot(p)] = -relaxed;
+    }
+    at->share_step = relaxed;
+    mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
+    mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
+    for (long long i = 0; i < last && relaxed != 0; ++i) at->ds[i] -= mrts_smooth_relaxes(p, i) ? relaxed : 0;
+    if (at->y[last] > 0) at->ds[last] = pulled * at->s[last] / at->y[last]; /* its own sum would cancel */
+    double most = 1 / MRTS_SMOOTH_BOUNDARY, up = most, x = 1 / (1 - MRTS_SMOOTH_LEAST);
+    for (long long i = 0; i < at->slots; ++i) {
+        const double moved = at->ds[i], ds = -at->missed[i] - moved;
+        const double dy = at->target[i] - at->y[i] + at->weight[i] * moved;
+        at->ds[i] = ds;
+        at->dy[i] = dy;
+        if (-ds * most > at->s[i]) most = -at->s[i] / ds;
+        if (-dy * up > at->y[i]) up = -at->y[i] / dy;
+    }
+    for (long long k = 0; k < n; ++k) {
+        if (-at->px[k] * x > state->x[k]) x = -state->x[k] / at->px[k];
+    }
+    at->slack_reach = most;
+    at->dual_reach = up;
+    at->x_reach = x;
+}
+
+/* The length, at most 1, of a step of the profile that leaves slacks a share of what they are. */
+static double mrts_smooth_length(const mrts_smooth_iterate *at, double boundary) {
+    const double slack = boundary * at->slack_reach, x = (1 - MRTS_SMOOTH_LEAST) * at->x_reach;
+    const double length = slack < x ? slack : x;
+    return length < 1 ? length : 1;
+}
+
+/* Likewise of multipliers. */
+static double mrts_smooth_dual_length(const mrts_smooth_iterate *at, double boundary) {
+    return boundary * at->dual_reach < 1 ? boundary * at->dual_reach : 1;
+}
+
+/* Answers the duration's slope by the factor, into w. */
+static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts_smooth_state *state,
+                                        mrts_smooth_iterate *at) {
+    const long long n = p->nodes;
+    mrts_smooth_clear(n * (1 + p->free), at->pu);
+    mrts_front_gather(p, state, state->duration_x, at->pu, at->pf, at->w);
+    mrts_front_solve(p, at->factor, at->w);
+}
+
+/* Answers what the share pulls at by the factor, into w. */
+static void mrts_smooth_answer_share(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const long long n = p->nodes, unknowns = mrts_front_unknowns(p), last = mrts_smooth_duration_slot(p);
+    double along = at->weight[mrts_smooth_share_slot(p)], answered = 0;
+    mrts_smooth_clear(at->slots, at->before);
+    for (long long i = 0; i < last; ++i) {
+        if (!mrts_smooth_relaxes(p, i)) continue;
+        at->before[i] = at->weight[i];
+        along += at->weight[i];
+    }
+    mrts_smooth_clear(n * (2 + p->free), at->px);
+    mrts_smooth_pulled(p, state, at->before, at->px, at->pu, at->pf);
+    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->border);
+    mrts_smooth_copy(unknowns, at->border, at->w);
+    mrts_front_solve(p, at->factor, at->w);
+    for (long long i = 0; i < unknowns; ++i) answered += at->border[i] * at->w[i];
+    at->share_pull = along - answered;
+    if (!(at->share_pull > MRTS_SMOOTH_ROUNDING * along)) at->share_pull = MRTS_SMOOTH_ROUNDING * along;
+}
+
+/* While a step is short, pulls the products of slacks and multipliers that it would lead far off towards the centre
+ * (J. Gondzio, Multiple centrality corrections in a primal-dual method, Computational Optimization and Applications 6,
+ * 1996). */
+static void mrts_smooth_centralise(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                   double centre) {
+    const double low = MRTS_SMOOTH_OFF * centre, high = centre / MRTS_SMOOTH_OFF;
+    double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1);
+    for (int again = 0; again < MRTS_SMOOTH_PULLS && (length < MRTS_SMOOTH_LONG || dual < MRTS_SMOOTH_LONG); ++again) {
+        const double far = length + MRTS_SMOOTH_FURTHER < 1 ? length + MRTS_SMOOTH_FURTHER : 1;
+        const double up = dual + MRTS_SMOOTH_FURTHER < 1 ? dual + MRTS_SMOOTH_FURTHER : 1;
+        mrts_smooth_copy(at->slots, at->target, at->before);
+        for (long long i = 0; i < at->slots; ++i) {
+            const double product = (at->s[i] + far * at->ds[i]) * (at->y[i] + up * at->dy[i]);
+            const double by = product < low ? low - product : product > high ? high - product : 0;
+            at->target[i] += (by < -high ? -high : by) * at->by_s[i];
+        }
+        mrts_smooth_newton(p, state, at);
+        const double longer = mrts_smooth_length(at, 1);
+        const double higher = mrts_smooth_dual_length(at, 1);
+        if (longer + higher < length + dual + MRTS_SMOOTH_GAIN) {
+            if (longer + higher < length + dual) {
+                mrts_smooth_copy(at->slots, at->before, at->target);
+                mrts_smooth_newton(p, state, at);
+            }
+            break;
+        }
+        length = longer;
+        dual = higher;
+    }
+}
+
+/* One iteration from an evaluated point; the length of its step. */
+static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
+                                  double gap, double size) {
+    const double mean = gap / at->present;
+    for (long long i = 0; i < at->slots; ++i) {
+        at->by_s[i] = at->y[i] > 0 ? 1 / at->s[i] : 0;
+        at->weight[i] = at->y[i] * at->by_s[i];
+        at->target[i] = at->weight[i] * at->missed[i];
+    }
+    mrts_smooth_second(p, state, at->weight, at->y);
+    mrts_front_factor(p, state, at->factor, at->fronts);
+    if (at->y[mrts_smooth_duration_slot(p)] > 0) mrts_smooth_answer_duration(p, state, at);
+    if (p->relaxed > 0) mrts_smooth_answer_share(p, state, at);
+    mrts_smooth_newton(p, state, at);
+    double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1), left = 0;
+    for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
+    const double share = left / gap, least = MRTS_SMOOTH_AIM * size / at->present;
+    double centre = share * share * share * mean;
+    if (centre < least) centre = least;
+    for (long long i = 0; i < at->slots; ++i) at->target[i] += (centre - at->ds[i] * at->dy[i]) * at->by_s[i];
+    mrts_smooth_newton(p, state, at);
+    mrts_smooth_centralise(p, state, at, centre);
+    length = mrts_smooth_length(at, MRTS_SMOOTH_BOUNDARY);
+    dual = mrts_smooth_dual_length(at, MRTS_SMOOTH_BOUNDARY);
+    for (long long i = 0; i < at->slots; ++i) {
+        at->s[i] += length * at->ds[i];
+        at->y[i] += dual * at->dy[i];
+    }
+    at->share += length * at->share_step;
+    if (!p->timed) {
+        const int n = p->nodes, q = p->free + 1;
+        for (int k = 0; k < n; ++k) state->control[k] += length * at->b[(long long)k * q + p->free];
+        state->control[n] += length * at->b[(long long)n * q];
+        mrts_smooth_profile(p, state);
+    }
+    for (long long i = 0; i < (long long)p->nodes * p->free; ++i) state->free[i] += length * at->pf[i];
+    return length;
+}
+
+/* Keeps the iterate for a program that is near. */
+static void mrts_smooth_keep(const mrts_smooth_program *p, const mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const double *of[] = {at->s, at->y, state->free, state->control, &state->unit};
+    const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
+    double *kept = at->kept;
+    for (int i = 0; i < 5; kept += counts[i++]) mrts_smooth_copy(counts[i], of[i], kept);
+}
+
+/* Takes the iterate that was kept of a program that is near, but what is given; a slot that had no limit there begins at
+ * the centre. */
+static void mrts_smooth_take_kept(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const double *s = at->kept, *y = s + at->slots, *free = y + at->slots, *control = free + (long long)p->nodes * p->free;
+    double gap = 0;
+    int both = 0;
+    for (long long i = 0; i < at->slots; ++i) {
+        if (!(at->y[i] > 0 && y[i] > 0)) continue;
+        gap += s[i] * y[i];
+        ++both;
+    }
+    for (long long i = 0; i < at->slots; ++i) {
+        const int is = at->y[i] > 0, was = y[i] > 0;
+        at->s[i] = !is ? MRTS_INFINITY : was ? s[i] : MRTS_SMOOTH_SLACK;
+        at->y[i] = !is ? 0 : was ? y[i] : gap / (both * MRTS_SMOOTH_SLACK);
+    }
+    const int held = p->held_start * p->free;
+    mrts_smooth_copy((long long)(p->nodes - p->held_end) * p->free - held, free + held, state->free + held);
+    mrts_smooth_copy(p->nodes + 1 - p->given_start - p->given_end, control + p->given_start,
+                     state->control + p->given_start);
+    state->unit = control[p->nodes + 1];
+    mrts_smooth_profile(p, state);
+}
+
+/* Slacks and multipliers to start with, and a share that leaves room to all that it relaxes. */
+static void mrts_smooth_first(const mrts_smooth_program *p, mrts_smooth_iterate *at, double *g) {
+    for (long long i = 0; i < at->slots && p->relaxed > 0; ++i) {
+        const double share = mrts_smooth_relaxes(p, i) && at->y[i] > 0 ? g[i] + MRTS_SMOOTH_SLACK : MRTS_SMOOTH_SLACK;
+        if (share > at->share) at->share = share;
+    }
+    g[mrts_smooth_share_slot(p)] = -at->share;
+    const double gap = MRTS_SMOOTH_FIRST * (1 + p->relaxed * at->share);
+    for (long long i = 0; i < at->slots; ++i) {
+        const double room = (mrts_smooth_relaxes(p, i) ? at->share : 0) - g[i];
+        at->s[i] = at->y[i] > 0 ? (room > MRTS_SMOOTH_SLACK ? room : MRTS_SMOOTH_SLACK) : MRTS_INFINITY;
+        at->y[i] = at->y[i] > 0 ? gap / (at->s[i] * at->present) : 0;
+    }
+}
+
+/* How far an iterate is from an answer. */
+typedef struct {
+    double objective, missed, gap, largest; /* of a constraint, of the objective, of multipliers */
+} mrts_smooth_distance;
+
+/* Evaluates the iterate; where `first`, also the unit of the objective, slacks and multipliers. */
+static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts_smooth_state *state,
+                                              mrts_smooth_iterate *at, int first) {
+    mrts_smooth_distance is = {mrts_smooth_evaluate(p, state, at, first, at->missed), 0, 0, 0};
+    if (first) mrts_smooth_first(p, at, at->missed);
+    is.objective += p->relaxed * at->share;
+    for (long long i = 0; i < at->slots; ++i) {
+        if (mrts_smooth_relaxes(p, i)) at->missed[i] -= at->share;
+        at->missed[i] = at->y[i] > 0 ? at->missed[i] + at->s[i] : 0;
+        is.gap += at->s[i] * at->y[i];
+        const double missed = MRTS_ABS(at->missed[i]);
+        if (is.missed == is.missed && !(missed <= is.missed)) is.missed = missed; /* what is no number stays */
+        if (at->y[i] > is.largest) is.largest = at->y[i];
+    }
+    return is;
+}
+
+/* Solves a program.
+ *
+ * x, u, free: the answer, (n), (n), (n, f). Where the timing is given, x and u are read; F at a held end is read.
+ * share: by which limits of changes and jerks are passed, 0 where they are not relaxed.
+ * iterations: how many it took.
+ * Returns one of the statuses above; without an answer nothing that is written is one.
+ */
+MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, double *share,
+                                  int *iterations, double *work) {
+    const long long n = p->nodes, nf = n * p->free;
+    mrts_smooth_state state;
+    mrts_smooth_iterate at;
+    int found = MRTS_SMOOTH_STOPPED, kept = 0;
+    mrts_smooth_iterate_in(p, work + mrts_smooth_state_in(p, work, &state), &at);
+    mrts_smooth_clear(mrts_smooth_work(p) - (p->again ? mrts_smooth_kept(p) : 0), work);
+    mrts_smooth_copy(n, x, state.x);
+    mrts_smooth_copy(n, u, state.u);
+    if (p->held_start) mrts_smooth_copy(p->free, free, state.free);
+    if (p->held_end) mrts_smooth_copy(p->free, free + nf - p->free, state.free + nf - p->free);
+    mrts_smooth_tangents(p, &state, p->around);
+    mrts_smooth_start(p, &state);
+    mrts_smooth_present(p, &at);
+    if (p->again) mrts_smooth_take_kept(p, &state, &at);
+    for (*iterations = 0; *iterations < MRTS_SMOOTH_MOST; ++*iterations) {
+        const mrts_smooth_distance is = mrts_smooth_judge(p, &state, &at, *iterations == 0 && !p->again);
+        const double size = is.objective + MRTS_SMALL;
+        if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
+            *iterations > 0 && mrts_smooth_decrement(p, &state, &at) <= MRTS_SMOOTH_GAP * size) {
+            found = MRTS_SMOOTH_FOUND;
+            if (!kept) mrts_smooth_keep(p, &state, &at);
+            break;
+        }
+        if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
+        if (!kept && !p->timed && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
+            mrts_smooth_keep(p, &state, &at);
+            kept = 1;
+        }
+        if (!(mrts_smooth_advance(p, &state, &at, is.gap, size) > MRTS_SMOOTH_SHORT)) break;
+        if (p->moving && is.gap > MRTS_SMOOTH_LAID * size) mrts_smooth_tangents(p, &state, state.x);
+    }
+    mrts_smooth_copy(n, state.x, x);
+    mrts_smooth_copy(n, state.u, u);
+    mrts_smooth_copy(nf, state.free, free);
+    *share = at.share;
+    return found;
+}
