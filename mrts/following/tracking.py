@@ -11,7 +11,7 @@ from limits: Liégeois 1977). With the grasp's multipliers F
     h(q) - h(reference) = JᵀF,    h_j(q) = q_j + LIMIT_PUSH (x⁺⁵ - x⁻⁵),
 
 where x⁺ and x⁻ grow from 0 to 1 over the zone beside the upper and the lower limit. Both equations, differentiated
-along the path, give q' and q'' (kernel/c/tracking/null_space.c).
+along the path, give q' and q'' (kernel/c/tracking.c).
 """
 
 import ctypes

@@ -213,7 +213,7 @@ def path_places(
     segments: NDArray[np.intp],
     places: Array = PLACES,
 ) -> tuple[Array, ...]:
-    """The motion of `between_path_samples` in one foreign call (kernel/c/dense).
+    """The motion of `between_path_samples` in one foreign call (kernel/c/arm_tips.c).
 
     Args:
         speeds: The squared speed at the samples, Shape (n,), and half its slope at the start and at the end of each

@@ -19,7 +19,7 @@ MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, c
 
 /*
  * What a grasp takes of an arm's joints and what it leaves free, and the positions that redundant arms prefer of all that
- * hold their grasps; mrts/following/null_space.py has the mathematics.
+ * hold their grasps; mrts/following/tracking.py has the mathematics.
  */
 
 /* Where an arm's joints begin: a constant of the compiler where each has as many as its wrench components, which is
