@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Inverse kinematics of many variants along their paths, and how far given joints are off (kernel/c/tracking.c, arm_tips.c)."""
+"""Inverse kinematics of many variants along their paths, how far given joints are off (c/tracking.c, c/arm_tips.c)."""
 
 import ctypes
 from collections.abc import Mapping, Sequence
