@@ -103,14 +103,7 @@ def _facets(thing: CarriedThing) -> tuple[Array, list[tuple[str, int]]]:
 def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: float) -> LimitRows:
     """|rate r̈ + square ṙ²| <= limit as the sides of a polygon inside that circle, all of one name.
 
-    Corners lie along `square` and across it: with r̈ = 0, and on a straight line, the rows are exact.
-
-    Args:
-        cell: The cell.
-        name: Of each row.
-        rate: Shape (N, 3).
-        square: Shape (N, 3).
-        limit: > 0.
+    Corners lie along `square`, Shape (N, 3), and across it: with r̈ = 0, and on a straight line, the rows are exact.
     """
     first = _unit(np.where(np.linalg.norm(square, axis=1, keepdims=True) > 0, square, rate))
     second = _unit(rate - row_products(rate, first)[:, None] * first)
@@ -163,12 +156,7 @@ def object_point(motion: CoordinatedMotion, point: Array) -> tuple[Array, Array]
 def arm_point(robot: Robot, point: ArmPointLimit, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
     """Velocity p' and acceleration p'' of a point of an arm, base axes, each Shape (N, 3); in numpy, for saved results.
 
-    Args:
-        robot: The arm.
-        point: The point.
-        q: Shape (N, n).
-        dq: q', likewise.
-        ddq: q'', likewise.
+    q, q' and q'' are those of the arm, each Shape (N, n).
     """
     place = np.broadcast_to(np.array(point.at_zero), (len(q), 3))
     velocity, acceleration = np.zeros((2, len(q), 3))

@@ -43,12 +43,8 @@ def few_sides(names: Sequence["RowName"]) -> NDArray[np.bool_]:
 def circle(sides: Array, count: int) -> tuple[Array, Array]:
     """√(zᵀ gram z) <= bound z of the circle through the corners of a regular polygon, sides s z <= 0.
 
-    Args:
-        sides: All, or at least three as far from each other as the last from the first, Shape (…, some, k).
-        count: Number of all.
-
-    Returns:
-        gram, Shape (…, k, k), and bound, (…, k).
+    Of `count` sides all are given, or at least three as far from each other as the last from the first, Shape
+    (…, some, k); gram has Shape (…, k, k), bound (…, k).
     """
     mean = np.mean(sides, axis=-2)
     across = sides - mean[..., None, :]
@@ -60,10 +56,7 @@ def circle(sides: Array, count: int) -> tuple[Array, Array]:
 def in_circles(names: Sequence["RowName"], above: Array, below: Array) -> None:
     """Put what the circle of each polygon is passed by at all its sides, above.
 
-    Args:
-        names: One a row.
-        above: By what each row passes its upper limit, minus infinity where there is none, Shape (…, r).
-        below: Likewise its lower limit.
+    Rows pass their limits by `above` and `below`, minus infinity where there is none, Shape (…, r).
     """
     for name, own in polygons(names).items():
         sides = np.concatenate([above[..., own], below[..., own]], axis=-1)
@@ -333,21 +326,16 @@ class LimitRows:
     def shrunk(self, reserve: float) -> "LimitRows":
         """The same rows with each side moved inward by a share of its size; where both are one number, it stays.
 
-        Args:
-            reserve: The share, 0 to 1. Sides that are closer than that cross: such rows admit nothing.
+        Sides that are closer than that cross: such rows admit nothing.
         """
         low, high = self.side_sizes()
         moves = reserve * (self.lower < self.upper)
         return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high, size=self.units)
 
     def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
-        """What each row is of its quantity at all samples, Shape (N, r).
+        """What each row is of its quantity at all samples, Shape (N, r), of τ, Shape (N, m), and F, (N, n w).
 
-        Args:
-            torque: τ, Shape (N, m).
-            wrench: F, Shape (N, n w).
-            rate: r̈, one for all samples, or Shape (N,).
-            speed: ṙ, likewise.
+        r̈ and ṙ are one for all samples, or Shape (N,).
         """
         value: Array = torque @ self.torque_matrix.T + wrench @ self.wrench_matrix.T
         if self.object_matrix is not None and self.object_axes is not None:
@@ -386,11 +374,7 @@ class LimitRows:
         return replace(self, **some)
 
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
-        """Some of the rows; a column of the speed in which they have nothing is None.
-
-        Args:
-            kept: Which, Shape (r,).
-        """
+        """Some of the rows; a column of the speed in which they have nothing is None."""
         if np.all(kept):
             return self
         places = np.flatnonzero(kept)

@@ -59,11 +59,7 @@ class MotorTerms:
         return None if self.turning is None else self.turning @ np.abs(rows.torque_matrix).T
 
     def friction(self, speed: float | Array) -> Array:
-        """The part of τ that friction is at ṙ, Shape (N, m) [N m or N].
-
-        Args:
-            speed: ṙ, one for all samples, or Shape (N, 1).
-        """
+        """The part of τ that friction is at ṙ, one for all samples, or Shape (N, 1): Shape (N, m) [N m or N]."""
         return self.dry if self.speed is None else self.dry + self.speed * speed
 
 
@@ -176,14 +172,8 @@ class MotionRows:
     ) -> None:
         """Call a function of the kernel for all samples, or some, as `CellLibrary.over_samples`.
 
-        Args:
-            function: Its name.
-            asked: What it takes of each of these samples.
-            outputs: What it fills.
-            for_all: What it takes besides.
-            load: As in `inputs`; of some samples, one of each.
-            speed: ṙ of all samples, or of each, Shape (N, 1); None where it is to be found.
-            samples: Which, Shape (k,); None takes all.
+        The load is as in `inputs`, or one of each of these samples; ṙ is one of all N, or Shape (N, 1), and None where
+        it is to be found.
         """
         inputs, terms = self.inputs(None), self.terms(speed)
         if samples is not None and len(samples) < self.motion.samples:
@@ -261,11 +251,7 @@ def side_share(square: Array, lower: Array, upper: Array) -> Array:
 
 
 def binds(share: Array) -> NDArray[np.bool_]:
-    """Which caps bound ṙ², none at rest.
-
-    Args:
-        share: As `MotionRows.cap_share`, of one sample, Shape (s,), or of all, Shape (N, s).
-    """
+    """Which caps bound ṙ², none at rest; shares as `MotionRows.cap_share`, of one sample or of all."""
     most = np.max(share, axis=-1, initial=0.0, keepdims=True)
     return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
 

@@ -105,10 +105,6 @@ class _Rows:
 
         Elsewhere add σ̇² + h σ̈ >= 0 with the step h that follows. That is the middle one of the three Bernstein
         coefficients of σ̇² on a segment, its ends are the others, and a polynomial is positive where they are.
-
-        Args:
-            sigma: σ at the nodes, Shape (n,).
-            rests: Whether the path is at rest at its start, and at its end.
         """
         n, near = len(sigma), np.repeat(rests, 2)
         nodes = np.array([0, 1, n - 2, n - 1])[near]

@@ -10,7 +10,6 @@ from mrts.base.arrays import Array, EqualByNumbers, freeze, without_infinity
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
 from mrts.limits.rows import RowName, joint_rows, wrench_rows
 
 Rates = bool | float
@@ -88,19 +87,12 @@ def rate_limits(cell: Cell, rates: Rates) -> RateLimits:
         raise InputError(
             "rates", f"must be True, or a number > 0 and at most {LARGEST_NUMBER:.0e}. {WHAT_TO_GIVE}", value=rates
         )
-    missing = np.concatenate([_size_of_limits(robot, rates) for robot in cell.robots])
-    torque = np.where(np.isfinite(given.torque), given.torque, (1.0 - cell.reserve) * rates * missing)
+    size = np.maximum(np.abs(cell.stacked("torque_lower")), np.abs(cell.stacked("torque_upper")))
+    torque = np.where(np.isfinite(given.torque), given.torque, (1.0 - cell.reserve) * rates * size)
+    if not np.all(np.isfinite(torque)):
+        rule = (
+            f"is a multiple of torque limits, but {cell.joint_names[int(np.argmax(torque))]} has none. Give its robot "
+            "'motors: {torque_rate: …}' in N m/s, or a torque limit."
+        )
+        raise InputError("rates", rule, value=rates)
     return RateLimits(torque, given.wrench, given.jerk)
-
-
-def _size_of_limits(robot: Robot, rates: float) -> Array:
-    unknown = ~np.isfinite(robot.motors.torque_rate)
-    sizes = np.where(unknown, np.maximum(np.abs(robot.torque_lower), np.abs(robot.torque_upper)), 0.0)
-    for joint, size in zip(robot.joints, sizes, strict=True):
-        if not np.isfinite(size):
-            rule = (
-                f"is a multiple of torque limits, but joint '{joint}' of robot '{robot.name}' has none. Give its robot "
-                "'motors: {torque_rate: …}' in N m/s, or a torque limit."
-            )
-            raise InputError("rates", rule, value=rates)
-    return sizes

@@ -90,9 +90,7 @@ def given_sizes(cell: Cell, motion: CoordinatedMotion, *, polygons: bool = True)
 def whole_sides(free: Array, sizes: Array) -> Array:
     """By how much limits move inward of which nothing may be used, Shape (2, N, r); 0 for rows no distribution moves.
 
-    Args:
-        free: The columns of what a distribution chooses, Shape (N, r, f).
-        sizes: `counted_sizes`, Shape (2, r).
+    `free` are the columns of what a distribution chooses, Shape (N, r, f), `sizes` from `counted_sizes`.
     """
     return sizes[:, None] * moved_by(free)
 
@@ -139,14 +137,7 @@ def reserved_torques(
     """F of the least effort at a given timing among those with the least ∫ s² dt of `of_shares`, Shape (n, f).
 
     Where no rates join the nodes these are the torques of `reserved`; where no share counts, those of the least effort
-    alone. None where none keep the limits and the rates.
-
-    Args:
-        program: The limits.
-        x: The timing, Shape (n,).
-        u: Likewise.
-        solver: Solves the programs.
-        shares: s of the least ∫ s² dt where it is known, Shape (n,).
+    alone. None where none keep the limits and the rates. `shares` are s of the least ∫ s² dt where it is known.
     """
     if program.free.shape[2] == 0 or not np.any(program.sizes):
         return solver.torques(program, x, u)

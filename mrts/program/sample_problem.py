@@ -114,11 +114,7 @@ class SampleProblem:
         return moved_by(self.free)
 
     def limits_at(self, c2: float | Array) -> tuple[Array, Array]:
-        """The limits that are left for the other unknowns at a value of the last, each Shape (N, r).
-
-        Args:
-            c2: One for all samples, or one a sample, Shape (N, 1).
-        """
+        """The limits that are left for the other unknowns at a value of the last, one for all or each, Shape (N, r)."""
         given = self.square * c2
         if self.speed is not None:
             given = given + self.speed * np.sqrt(c2)

@@ -232,11 +232,7 @@ def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
 
 
 def first_least(values: Array) -> Any:
-    """Place of the least value along the first axis, the first of those that differ by rounding only.
-
-    Args:
-        values: Shape (N,), or any with N first: then a place for each column.
-    """
+    """Place of the least value along the first axis, the first of those that differ by rounding only."""
     least = np.min(values, axis=0)
     return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
 

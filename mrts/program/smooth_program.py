@@ -86,11 +86,7 @@ class SmoothProgram:
         return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
 
     def narrowed(self, share: float) -> Self:
-        """The same program with all limits of rows and rates further in.
-
-        Args:
-            share: Of the size of each limit; of limits that lie close together, a quarter of what is between them.
-        """
+        """The same program with limits further in by a share, at most a quarter of what is between."""
         inward = np.minimum(share, (self.upper - self.lower) / 4)
         return replace(
             self,
@@ -116,11 +112,7 @@ class SmoothProgram:
         )
 
     def only(self, chosen: NDArray[np.bool_]) -> Self:
-        """The same program with some of the rows.
-
-        Args:
-            chosen: Which, Shape (r,).
-        """
+        """The same program with some of the rows."""
         rows, cones = np.flatnonzero(chosen), self.names[len(chosen) :]
         names = (name for name, kept in zip(self.names, chosen.tolist(), strict=False) if kept)
         some: dict[str, Any] = {name: getattr(self, name)[:, rows] for name in OF_NODES}

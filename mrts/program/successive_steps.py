@@ -106,25 +106,15 @@ def _played(
     told: Callable[[int, float], None],
 ) -> StepsTaken:
     """What the best profile leads to: one with room where there is to be some, else one whose u does not jump."""
-    spacious = _with_room(program, best.profile, goal.room, solver)
-    if spacious is not None:
-        free, shares = spacious.free[:, :-1], spacious.free[:, -1]
-        return replace(best, profile=replace(spacious, free=free), shares=shares)
+    if goal.room and program.free.shape[2]:  # a second step would lower ∫ s² dt by less than a hundredth
+        longest = (1 + goal.room) * float(np.sum(program.times(best.profile.x)))
+        spacious = solver.step(of_shares(program), best.profile.x, Goal(0.0, 1.0, longest))
+        if spacious is not None:
+            free, shares = spacious.free[:, :-1], spacious.free[:, -1]  # the last is s
+            return replace(best, profile=replace(spacious, free=free), shares=shares)
     uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
     even = _descent(program, best.profile, replace(goal, uneven=uneven), solver, told)
     return StepsTaken(even.profile, even.profile, (*best.costs, *even.costs[1:]), best.gain)
-
-
-def _with_room(program: SmoothProgram, best: SmoothProfile, room: float, solver: KernelSolver) -> SmoothProfile | None:
-    """The profile of a step from the best one towards the least ∫ s² dt, which takes by a share `room` longer at most.
-
-    Its last free unknown is s. A second step would lower ∫ s² dt by less than a hundredth. None where there is no room,
-    nothing to choose, or none is found.
-    """
-    if not room or not program.free.shape[2]:
-        return None
-    longest = (1 + room) * float(np.sum(program.times(best.x)))
-    return solver.step(of_shares(program), best.x, Goal(0.0, 1.0, longest))
 
 
 def _descent(
