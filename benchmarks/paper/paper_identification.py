@@ -20,8 +20,7 @@ from scipy.optimize import linprog
 import mrts
 from mrts.base.arrays import Array
 from mrts.commands.paper_examples import run_demo
-from mrts.kernel.compiler import find_compiler
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL, compiled_programs
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 
 LINK, HAND = 1.0, 0.1  # m
 GRAVITY = 9.8  # m/s²
@@ -70,7 +69,7 @@ class Search:
             raise TypeError
         self.position, self.velocity = lift.position[SAMPLES, :2], lift.twist[SAMPLES, :2]
         self.acceleration = lift.acceleration[SAMPLES, :2]
-        self.kernel = compiled_programs(find_compiler())
+        self.kernel = default_programs()
 
     def deviations(self, geometry: Array) -> Array:
         """Relative deviations from `SEVEN`, Shape (N, 7), for w, h, a, Shape (N, 3); -1 where nothing is admissible."""

@@ -15,8 +15,7 @@ import daqp
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.kernel.compiler import find_compiler
-from mrts.kernel.programs import compiled_programs
+from mrts.kernel.programs import default_programs
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import UNBOUNDED
 from mrts.program.sample_problem import build_sample_problem
@@ -60,7 +59,7 @@ def main(samples: int = SAMPLES, repeats: int = REPEATS) -> None:
     g = np.zeros((count, k))
     low, high = np.full((count, k), -np.inf), np.full((count, k), np.inf)
     low[:, -1], high[:, -1] = 0, UNBOUNDED
-    kernel = compiled_programs(find_compiler())
+    kernel = default_programs()
     for name, direction in (("least c²", 1.0), ("largest c²", -1.0)):
         g[:, -1] = direction
         effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)

@@ -171,13 +171,6 @@ class Programs:
         return np.zeros(self._library.mrts_segment_work(2 * int(np.max(np.diff(start)))))
 
 
-def compiled_programs(command: tuple[str, ...]) -> Programs:
-    """The programs in a library of their own, compiled on first use; CompilerError where that fails."""
-    return library_or_rebuilt(
-        command, "mrts_programs", programs_source(), lambda library: Programs(ctypes.CDLL(str(library)))
-    )
-
-
 _of_a_cell: list[Programs] = []
 
 
@@ -198,4 +191,5 @@ def default_programs() -> Programs:
 
 @lru_cache(maxsize=1)
 def _programs_alone() -> Programs:
-    return compiled_programs(find_compiler())
+    command, source = find_compiler(), programs_source()
+    return library_or_rebuilt(command, "mrts_programs", source, lambda library: Programs(ctypes.CDLL(str(library))))

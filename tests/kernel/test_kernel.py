@@ -9,8 +9,7 @@ import pytest
 from random_programs import cell_programs, hard_programs
 
 import mrts
-from mrts.kernel.compiler import find_compiler
-from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, default_programs
 from mrts.program.solvers import ConvexPrograms, optimality_error, solve_programs
 
 LINEAR_PROGRAMS, QUADRATIC_PROGRAMS, HARD = 34_000, 3_360, 20
@@ -22,7 +21,7 @@ SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
 
 @pytest.fixture(scope="module")
 def kernel():
-    return compiled_programs(find_compiler())
+    return default_programs()
 
 
 class Highs:

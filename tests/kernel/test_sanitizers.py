@@ -38,9 +38,8 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import numpy as np
 from random_programs import cell_programs, hard_programs
-from mrts.kernel.compiler import find_compiler
-from mrts.kernel.programs import compiled_programs
-kernel = compiled_programs(find_compiler())
+from mrts.kernel.programs import default_programs
+kernel = default_programs()
 rng = np.random.default_rng(0)
 for arms, size in ((2, 3), (2, 6), (3, 6)):
     A, lower, upper = cell_programs(rng, 200, arms, size)
