@@ -10,12 +10,11 @@ from mrts.base.errors import MrtsError
 from mrts.override.speed_override import OverrideState, SpeedOverride
 from mrts.override.tables import TICK
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.scene import PACES, suited_pace
 from mrts.timing.result import RetimingResult
 from mrts.viewer.controls import DECIMALS, Later, assign
 from mrts.viewer.panel import override_html, text_html
-from mrts.viewer.player_state import PlayerState
+from mrts.viewer.player_state import HeldPoses, PlayerState
 
 READING = 0.1
 """Time between numbers while the motion plays: faster, nobody reads them [s]."""
@@ -24,10 +23,16 @@ PACE_NAMED = {name: pace for pace, name in PACES.items()}
 
 
 class Playback:
-    """The time of a motion that is played: its slider, Play and the speed override; `add_pace` adds how fast.
+    """The time of what is shown and how it goes on: a slider, Play, and an override of the planned speed with a stop.
 
-    `duration` is that of the motion as it is shown [s].
+    The override of a plan is made, in a thread of its own, when another speed than the planned one is asked for; until
+    then the motion plays as planned. `add_pace` adds how fast that is.
     """
+
+    _taken: PlayerState | HeldPoses | None = None
+    _plan: ScalingResult | RetimingResult | None = None
+    _made: Future[SpeedOverride] | None = None
+    _state: OverrideState | None = None
 
     def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
         self.duration, self.plays, self._toggled = duration, False, False
@@ -35,7 +40,11 @@ class Playback:
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
         self._play.on_click(lambda _: later(self.toggle))
-        self.knob = SpeedKnob(gui, later, visible=visible)
+        self._wanted = gui.add_slider("override [%]", 0, 100, 1, 100, visible=visible)
+        self._wanted.precision = DECIMALS
+        self._stop = gui.add_button("Stop", icon=viser.Icon.PLAYER_STOP, visible=visible)
+        self._stop.on_click(lambda _: later(lambda: assign(self._wanted, 0)))
+        self._text, self._worker = gui.add_html("", visible=visible), ThreadPoolExecutor(1, "mrts override")
 
     def add_pace(self, gui: viser.GuiApi) -> None:
         """Add how fast it plays to the container that is open."""
@@ -65,7 +74,7 @@ class Playback:
             self._share = min(self._shown / self.duration, 1.0)  # which was rounded
         if self.plays:
             self._unread += elapsed
-            self._share = self.knob.after(self.time, elapsed * PACE_NAMED[self._pace.value]) / self.duration
+            self._share = self._after(elapsed * PACE_NAMED[self._pace.value]) / self.duration
             if self._share > 1:
                 self._share %= 1
         return changed or self.plays or self._toggled, changed or self._unread >= READING
@@ -76,57 +85,34 @@ class Playback:
         digits = max(0, 3 - floor(log10(self.duration)))  # four tell times along the motion apart
         self._shown = set_slider(self._time, (0.0, round(self.duration, digits)), digits, self.time, self._shown)
 
-
-class SpeedKnob:
-    """A slider and a stop.
-
-    The override of a plan is made, in a thread of its own, when another speed than the planned one is asked for; until
-    then the motion plays as planned.
-    """
-
-    _trajectory: ScaledTrajectory | None = None
-    _plan: ScalingResult | RetimingResult | None = None
-    _made: Future[SpeedOverride] | None = None
-    _state: OverrideState | None = None
-
-    def __init__(self, gui: viser.GuiApi, later: Later, *, visible: bool) -> None:
-        self._wanted = gui.add_slider("override [%]", 0, 100, 1, 100, visible=visible)
-        self._wanted.precision = DECIMALS
-        self._stop = gui.add_button("Stop", icon=viser.Icon.PLAYER_STOP, visible=visible)
-        self._stop.on_click(lambda _: later(lambda: assign(self._wanted, 0)))
-        self._text, self._worker = gui.add_html("", visible=visible), ThreadPoolExecutor(1, "mrts override")
-
-    def take(self, shown: PlayerState | None) -> None:
-        """Turn to another motion, or another speed of it; None where arms do not reach."""
-        trajectory = None if shown is None else shown.trajectory
-        if trajectory is self._trajectory:
+    def take(self, shown: PlayerState | HeldPoses) -> None:
+        """Turn to another motion, or to another speed of it."""
+        if shown is self._taken:
             return
-        self._trajectory, self._made, self._state = trajectory, None, None
-        self._plan = None if shown is None else shown.plan
+        self.duration = float(shown.scene.time[-1])
+        self._taken, self._made, self._state = shown, None, None
+        self._plan = shown.plan if isinstance(shown, PlayerState) else None
         self._wanted.disabled = self._stop.disabled = self._plan is None
         self._text.content = ""
 
-    def after(self, time: float, elapsed: float) -> float:
-        """The time of the plan [s] when some more has gone by since a time of it [s]."""
+    def _after(self, elapsed: float) -> float:
+        """The time of the plan [s] when some more has gone by."""
         if self._made is None and self._plan is not None and self._wanted.value < 100:  # noqa: PLR2004 (as planned)
             self._made = self._worker.submit(SpeedOverride, self._plan)
         if self._made is None or not self._made.done():
-            return time + elapsed
+            return self.time + elapsed
         try:
             override = self._made.result()
         except MrtsError as error:
             self._text.content = text_html("error", str(error))
-            return time + elapsed
-        return self._played(override, time, elapsed)
-
-    def _played(self, override: SpeedOverride, time: float, elapsed: float) -> float:
+            return self.time + elapsed
         state, ticks = self._state, ceil(elapsed / TICK)
-        if state is None or abs(state.time - time) > TICK * override.duration:  # another time was chosen
-            state = override.start(min(time, override.duration), 1.0 if state is None else state.speed)
+        if state is None or abs(state.time - self.time) > TICK * override.duration:  # another time was chosen
+            state = override.start(min(self.time, override.duration), 1.0 if state is None else state.speed)
         for _ in range(ticks):
             state = override.step(state, self._wanted.value / 100, elapsed / ticks)
         self._state, self._text.content = state, override_html(state)
-        return time + elapsed if state.finished else state.time
+        return self.time + elapsed if state.finished else state.time
 
 
 def set_slider(

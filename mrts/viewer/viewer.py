@@ -183,13 +183,13 @@ class Viewer:
             self._error = text_html("error", str(shown))
             return  # what was shown before stays
         others = answer is self._answer or state is None or before is None or state.result is not before.result
-        self._answer, self._shown, self._error, self.playback.duration = answer, shown, "", float(shown.scene.time[-1])
+        self._answer, self._shown, self._error = answer, shown, ""
+        self.playback.take(shown)
         with self.server.atomic():
             self._scene.show(shown.scene, anew=others)
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             self._scene.show_nearest(near)
-            self.playback.knob.take(state)
             if state is not None:
                 self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
             elif isinstance(shown, HeldPoses):
