@@ -31,7 +31,7 @@ SIZES = {"circle": 6.0, "dot": 2.0, "cross": 6.0, "star": 13.0, "up": 5.0}
 DPI = 150
 NOTEBOOK_DPI = 96
 
-ALONE_WIDTH, COLUMN_WIDTH = 8.0, 5.5
+ALONE_WIDTH, COLUMN_WIDTH = 9.0, 5.5
 """Of the only column of panels, and of one of several, legends included [in]."""
 
 PANEL_INCHES, ALONE_INCHES = 2.4, 3.6
