@@ -53,13 +53,13 @@ def outcome_html(state: PlayerState) -> str:
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     text += "".join(f"<br>{html_text(str(remark))}" for remark in result.warnings)
-    return _paragraph("outcome", text, "inherit" if admits else OVER)
+    return _paragraph("outcome", text, red=not admits)
 
 
 def collisions_html(near: Clearance | None, said: Sequence[Remark]) -> str:
     """How near bodies come to each other and what was not looked at, in red where they collide; empty without both."""
     text = html_text(". ".join(remark.text for remark in said))
-    return _paragraph("collisions", text, OVER if near is not None and near.collides else "inherit") if said else ""
+    return _paragraph("collisions", text, red=near is not None and near.collides) if said else ""
 
 
 def simulation_html(found: Simulation | MrtsError | None) -> str:
@@ -67,10 +67,8 @@ def simulation_html(found: Simulation | MrtsError | None) -> str:
     if found is None:
         return ""
     if isinstance(found, MrtsError):
-        return _paragraph("simulation", html_text(str(found)), OVER)
-    return _paragraph(
-        "simulation", html_text(f"In closed loop {found.sentence()}."), OVER if found.passed else "inherit"
-    )
+        return _paragraph("simulation", html_text(str(found)), red=True)
+    return _paragraph("simulation", html_text(f"In closed loop {found.sentence()}."), red=bool(found.passed))
 
 
 def held_html(held: HeldPoses) -> str:
@@ -84,13 +82,13 @@ def held_html(held: HeldPoses) -> str:
     ]
     missing = f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
     if held.message:
-        return _paragraph("outcome", f"<b>No motion:</b> {html_text(held.message)}{missing}", OVER)
+        return _paragraph("outcome", f"<b>No motion:</b> {html_text(held.message)}{missing}", red=True)
     arms = ", ".join(f"{html_text(robot.name)} ({len(robot.joints)} joints)" for robot in held.scene.cell.robots)
     text = (
         f"{html_text(held.scene.cell.name)} stands where {html_text(held.scene.cell.robots[0].name)} holds the object "
         f"({held.scene.cell.mass:.4g} kg) at its posture: {arms}. No motion was given: mrts view CELL MOTION plays one."
     )
-    return _paragraph("outcome", text + missing, OVER if lost else "inherit")
+    return _paragraph("outcome", text + missing, red=bool(lost))
 
 
 def speed_html(state: PlayerState | None) -> str:
@@ -111,7 +109,7 @@ def speed_html(state: PlayerState | None) -> str:
     text += f"<b>Outside the admissible range{interval}</b>: "
     if over == 0:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
-        return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
+        return _paragraph("speed", f"{text}no torques are guaranteed{load}.", red=True)
     text += f"{over} of {samples} samples beyond a limit (red): "
     text += "; ".join(
         f"{html_text(name.short)} by {100 * excess:.3g} % at {time:.3g} s" for name, excess, time in passed[:MOST_NAMED]
@@ -121,7 +119,7 @@ def speed_html(state: PlayerState | None) -> str:
         text += "The torques follow from the motion alone."
     else:
         text += "Where torques or wrenches do, all limits are moved outward by the least share that leaves torques."
-    return _paragraph("speed", text, OVER)
+    return _paragraph("speed", text, red=True)
 
 
 def override_html(state: OverrideState) -> str:
@@ -138,7 +136,7 @@ def moment_html(state: PlayerState | None, sample: int) -> str:
     text = f"t = {state.trajectory.time[sample]:.4g} s of {state.trajectory.duration:.4g} s. "
     conflict = next((conflict for conflict in found.samples.conflicts if conflict.sample == sample), None)
     if conflict is not None:
-        return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)
+        return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", red=True)
     low, high = found.samples.lower[sample], found.samples.upper[sample]
     text += (
         f"This sample alone admits c² ∈ {interval_text(low, high)}" if low <= high else "No c² suits every load here"
@@ -175,8 +173,8 @@ def arrows_html(metres_per_newton: float, metres_per_newton_metre: float) -> str
 
 def text_html(kind: str, text: str) -> str:
     """A text of the panel, such as a "note", what was "saved", or an "error"."""
-    return _paragraph(kind, html_text(text), OVER if kind == "error" else "inherit")
+    return _paragraph(kind, html_text(text), red=kind == "error")
 
 
-def _paragraph(kind: str, text: str, colour: str = "inherit") -> str:
-    return f'<div data-text="{kind}" style="color:{colour}">{text}</div>'
+def _paragraph(kind: str, text: str, *, red: bool = False) -> str:
+    return f'<div data-text="{kind}" style="color:{OVER if red else "inherit"}">{text}</div>'
