@@ -223,14 +223,8 @@ def is_redundant(cell: Cell, robot: Robot) -> bool:
 
 def tracking_rule(cell: Cell) -> Any:
     """How the arms of a cell hold their grasps and follow, as C reads it."""
-    robots = cell.robots
-    parts = (
-        [robot.position_lower for robot in robots],
-        [robot.position_upper for robot in robots],
-        [limit_zone(robot) for robot in robots],
-        [robot.turns for robot in robots],
-    )
-    arrays = [np.concatenate(part) for part in parts]
+    parts = ((of.position_lower, of.position_upper, limit_zone(of), of.turns) for of in cell.robots)
+    arrays = [np.concatenate(part) for part in zip(*parts, strict=True)]
     *wish, turns = (array.ctypes.data for array in arrays)
     task = tracking.TRACKING(
         steps=TRACKING_STEPS,
@@ -320,7 +314,10 @@ def track_variants(
     nothing = np.zeros((1, 0, posture.shape[1]))
     found = follow_variants(library, rule, refused | beyond, {**given, "further": nothing})
     tracked = TrackedVariants(cell.robots, path["time"], *found, {})
-    tracked.reasons.update(_reasons(cell, path, geometry, np.flatnonzero(~refused & ~tracked.followed)))
+    failed = np.flatnonzero(~refused & ~tracked.followed)
+    if not failed.size:
+        return tracked
+    tracked.reasons.update(_reasons(cell, path, geometry, failed))
     code = tracked.outcome["code"]
     may_start = np.any((code == tracking.NO_START) | (code == tracking.START_PAST), axis=1)
     may_start[list(tracked.reasons)] = False
@@ -339,8 +336,6 @@ def track_variants(
 def _reasons(cell: Cell, path: Mapping[str, Array], geometry: Array, failed: NDArray[np.intp]) -> dict[int, str]:
     """By variant of those that failed, why it is surely out of reach: of the first arm that is."""
     reasons: dict[int, str] = {}
-    if not failed.size:
-        return reasons
     some = {name: _some(path[name], failed) for name in ("position", "rotation")}
     for robot, longest, distance in _stretches(cell, some, _some(geometry, failed)):
         of_failed = np.broadcast_to(distance, (len(distance), len(failed))).T
