@@ -356,16 +356,19 @@ def cell_to_compile(path: Path | str) -> Cell | None:
 def _check_generated(cell: Cell) -> None:
     """Check that what the generated functions hold is what they were generated with."""
     made = cell.functions.manifest.cell
-    of_cell = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
     ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
-    for key, one, other in (*of_cell, ("robots", ours, theirs), *_of_chains(cell)):
+    pairs = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
+    pairs.append(("robots", ours, theirs))
+    for robot, generated in _changed(cell):
+        where = f"robot '{robot.name}'"
+        pairs += [(f"{where} {name}", getattr(robot, name), getattr(generated, name)) for name in OF_CHAINS]
+    for key, one, other in pairs:
         if not _same(one, other):
             raise InputError("cell", IN_CHAINS, key=key)
 
 
 def _check_placement(cell: Cell) -> None:
     """Check that arms which stand or hold elsewhere than their file says still keep to the rules of the file."""
-    moved = [ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)]
     for robot, generated in _changed(cell):
         where = f"robot '{robot.name}'"
         if cell.plane is not None:
@@ -376,7 +379,7 @@ def _check_placement(cell: Cell) -> None:
             problem = grasp_leaves(cell.plane, robot.T_object_tip.R, generated.T_base_tip.R, tip)
             if problem:
                 raise InputError(where, problem, key="grasp")
-    if any(moved):
+    if any(ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)):
         _check_machines(cell)
 
 
@@ -410,12 +413,6 @@ def _changed(cell: Cell) -> Iterator[tuple[Robot, Robot]]:
     """Robots that are others than those generated, with these."""
     pairs = zip(cell.robots, cell.functions.manifest.robots, strict=False)
     return ((robot, generated) for robot, generated in pairs if robot is not generated)
-
-
-def _of_chains(cell: Cell) -> Iterator[tuple[str, object, object]]:
-    for robot, generated in _changed(cell):
-        for name in OF_CHAINS:
-            yield f"robot '{robot.name}' {name}", getattr(robot, name), getattr(generated, name)
 
 
 def _same(ours: object, theirs: object) -> bool:
