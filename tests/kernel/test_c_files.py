@@ -32,7 +32,7 @@ PLANAR = {
     "MRTS_KINEMATICS_LANES": "kinematics_lanes",
     "MRTS_BIAS_ACCELERATION_LANES": "bias_acceleration_lanes",
 }
-EXPORTED = ("linear_programs.c", "quadratic_programs.c", "rows.h", "speed_intervals.c")
+EXPORTED = ("linear_programs.c", "quadratic_programs.c", "speed_intervals.c")
 FILES = sorted(str(path.relative_to(C)) for path in C.rglob("*.c") if path.parent.name != "exported")
 """All but those of an exported library, which want a cell's numbers: tests/codegen/test_embedded.py compiles them."""
 
