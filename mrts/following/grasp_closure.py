@@ -5,12 +5,13 @@ They miss them by a planner's tolerance, by rounding, or by a spline.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array, apply, rotated, row_products
-from mrts.base.errors import InputError, MotionError
+from mrts.base.errors import MotionError
+from mrts.base.formats.record import Rule, check_attributes
 from mrts.base.manifest import GEOMETRY
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
@@ -36,7 +37,7 @@ from mrts.kernel.tracking import OUT_OF_REACH, SINGULAR, closure_sizes
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
-LARGEST_CLOSURE = 0.1
+WITHIN = Rule(gt=0, le=0.1)
 """[m, rad]; hands that far from their grasps hold another object."""
 
 RAD_PER_M = 2.5
@@ -79,17 +80,11 @@ class ClosureBound:
         InputError: If one is no number above 0, or larger than any hand is off its grasp.
     """
 
-    position: float = 2e-3
-    rotation: float | None = None
+    position: Annotated[float, WITHIN] = 2e-3
+    rotation: Annotated[float, WITHIN] | None = None
 
     def __post_init__(self) -> None:
-        for name in ("position", "rotation"):
-            value = getattr(self, name)
-            if name == "rotation" and value is None:
-                continue
-            if not is_number(value, 0, LARGEST_CLOSURE) or value == 0:
-                raise InputError("closure", f"must be > 0 and at most {LARGEST_CLOSURE:g}.", key=name, value=value)
-            object.__setattr__(self, name, float(value))
+        check_attributes(self, ClosureBound, "closure")
 
     @property
     def angle(self) -> float:
