@@ -98,12 +98,7 @@ def write_plot(plot: Plot, path: Path | str) -> None:
 
 
 def write_plots(plots: Sequence[Plot], folder: Path | str, form: str = "png") -> None:
-    """Write plots into a folder, all or none, each into a file of its name.
-
-    Args:
-        plots: Such as `result_plots` gives.
-        folder: Made if missing.
-        form: "png", "svg" or "pdf".
+    """Write plots into a folder, all or none, each into a file of its name: "png", "svg" or "pdf".
 
     Raises:
         InputError: If there is no such format, or a file cannot be written.

@@ -192,11 +192,7 @@ def neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, floa
 
 
 def load_plot(results: Mapping[str, ScalingResult]) -> Plot:
-    """c²⁺(t) for several questions of one load, and how fast each lets the whole motion be played.
-
-    Args:
-        results: By label, such as "nominal", "guaranteed", "possible".
-    """
+    """c²⁺(t) of results by label, such as "nominal" and "guaranteed", and how fast each lets the motion be played."""
     items = [item for index, (label, found) in enumerate(results.items()) for item in _upper(found.range, label, index)]
     time = next(iter(results.values())).range.samples.time
     top = max(c2_ends(found.range)[1] for found in results.values())

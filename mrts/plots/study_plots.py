@@ -195,11 +195,7 @@ def map_binding(table: StudyTable, drawn: StudyMap) -> tuple[list[str], Index]:
 
 
 def study_map_plot(table: StudyTable) -> Plot:
-    """The shortest duration and which limit binds, over the two numbers that matter most, or over the only one.
-
-    Args:
-        table: The study, with at least one variant and one number.
-    """
+    """The shortest duration and which limit binds, over the two numbers that matter most, or over the only one."""
     drawn = study_map(table)
     title = _title(table, map_remark(table, drawn))
     panels = [_line_panel(table, drawn)] if len(drawn.knobs) == 1 else _map_panels(table, drawn)

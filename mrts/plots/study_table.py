@@ -124,22 +124,14 @@ class StudyTable:
         return names.split(LIMIT_SEPARATOR) if isinstance(names, str) else []
 
     def limit_counts(self, rows: NDArray[np.bool_]) -> list[tuple[str, int]]:
-        """Which limit binds how often, the most frequent first; several may bind at a variant.
-
-        Args:
-            rows: Which variants count, Shape (V,).
-        """
+        """Which limit binds how often at some variants, Shape (V,), the most frequent first; several may at one."""
         counts: Counter[str] = Counter()
         for names, count in self.rows["upper_limit"][rows].value_counts(sort=False).items():
             counts.update(dict.fromkeys(names.split(LIMIT_SEPARATOR), count))
         return [(name, count) for name, count in counts.most_common() if count]
 
     def outcome_counts(self, rows: NDArray[np.bool_]) -> list[tuple[str, int]]:
-        """How many of some variants have each outcome, the most frequent first.
-
-        Args:
-            rows: Which variants count, Shape (V,).
-        """
+        """How many of some variants, Shape (V,), have each outcome, the most frequent first."""
         counts = Counter(dict(zip(OUTCOMES, np.bincount(self.outcome[rows], minlength=len(OUTCOMES)), strict=True)))
         return [(name, int(count)) for name, count in counts.most_common() if count]
 

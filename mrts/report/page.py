@@ -42,11 +42,7 @@ def write_report(
 
 
 def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable, stops: Stops | None = None) -> str:
-    """A report as text; the same result gives the same text.
-
-    Raises:
-        InputError: If plotly or Jinja is not installed.
-    """
+    """A report as text, with arguments of `write_report`; the same result gives the same text."""
     if isinstance(result, StudyTable):
         return study_html(result)
     if isinstance(result, Simulation):

@@ -250,17 +250,7 @@ def write_film(
 
 
 def write_picture(clips: Sequence[Clip], path: Path, time: float, warn: Warn = silent) -> None:
-    """Write a PNG of motions side by side at one time, whole or not at all.
-
-    Args:
-        clips: One to four.
-        path: The file.
-        time: At the played speed [s].
-        warn: As in `write_film`.
-
-    Raises:
-        InputError: If the file cannot be written, or there is nothing to draw it by.
-    """
+    """Write a PNG of motions side by side at a played time [s]; other arguments and errors as of `write_film`."""
     with closing(Composition(clips, warn=warn)) as composition:
         picture = Image.fromarray(composition.frame(time))
     write_atomically(path, lambda temporary: picture.save(temporary, "PNG", optimize=True))

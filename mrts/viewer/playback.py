@@ -120,10 +120,8 @@ def set_slider(
 ) -> float:
     """Give a slider other ends, decimals and another value; what is as it was is not sent again.
 
-    A user who has moved it since `shown` was set or taken over keeps what is under the hand.
-
-    Returns:
-        What is shown now, for the next call.
+    A user who has moved it since `shown` was set or taken over keeps what is under the hand. What is shown now is given
+    back, for the next call.
     """
     digits = max(digits, DECIMALS)
     step = 10.0**-digits

@@ -122,10 +122,9 @@ class Workbench:
         self.ask(speed)
 
     def ask(self, speed: float | None) -> None:
-        """Ask for the answer to the choices as they are; what was asked before is dropped.
+        """Ask for the answer to the choices as they are, at the nearest speed on offer; None is the first choice.
 
-        Args:
-            speed: To play at, the nearest on offer; None is the first choice.
+        What was asked before is dropped.
         """
         self._request = (self.choices, speed)
         self._jobs.append(self._worker.submit(self._answer, self._request))
