@@ -354,7 +354,6 @@ def cell_to_compile(path: Path | str) -> Cell | None:
 
 
 def _check_generated(cell: Cell) -> None:
-    """Check that what the generated functions hold is what they were generated with."""
     made = cell.functions.manifest.cell
     ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
     pairs = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]

@@ -253,7 +253,6 @@ def robot_values(
 def _sides(
     where: Path | str, key: str, value: Bounds | list[float | None], names: Sequence[str]
 ) -> tuple[Array, Array]:
-    """Both sides of `torque`, `acceleration` or `wrench`."""
     if isinstance(value, Bounds):
         lower, upper = limit_sides(where, key, value.lower, value.upper, names, meet=key.endswith("wrench"))
     else:
@@ -271,7 +270,6 @@ def _sides(
 def _motors(
     where: Path | str, key: str, given: MotorsDescription, motors: JointMotors, joints: Sequence[str]
 ) -> JointMotors:
-    """Motors with what the cell file says of them; the rest stays."""
     columns: dict[str, Any] = {}
     for name, value in given:
         if name == "friction" and value is not None:

@@ -190,7 +190,6 @@ def read_to_generate(path: Path) -> Any | None:
 
 
 def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
-    """What a file of the cache holds; None where it is missing or damaged."""
     try:
         return read(path.read_text(encoding="utf-8")) if only_ours(path) else None
     except (InputError, ValueError):
