@@ -1,11 +1,9 @@
 """The `motors` of a cell file: what is refused and how, and where friction comes from."""
 
-import shutil
-
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
+from shipped_cells import changed_cell
 
 import mrts
 
@@ -17,29 +15,21 @@ TORQUE = {"left": [150, 150, 28], "right": [150, 150, 28]}
 FALLING = [[0, 200], [2, 200], [6, 80]]
 
 
-@pytest.fixture
-def files(tmp_path):
-    """A copy of the shipped planar cell to change."""
-    for path in DATA.iterdir():
-        shutil.copy(path, tmp_path / path.name)
-    return tmp_path
-
-
-def with_motors(files, motors, **urdf):
-    """The cell file with these motors of its left robot; `urdf` gives <dynamics> to a joint of both."""
-    data = yaml.safe_load((files / "cell.yaml").read_text())
-    for robot in data["robots"]:
-        robot["torque"] = TORQUE[robot["name"]]
-        if robot["name"] == "left" and motors is not None:
-            robot["motors"] = motors
-    (files / "cell.yaml").write_text(yaml.safe_dump(data))
-    arm = files / "planar_arm.urdf"
-    text = arm.read_text()
-    for joint, dynamics in urdf.items():
+def with_motors(folder, motors, **dynamics):
+    """The planar cell with these motors of its left robot; `dynamics` gives <dynamics> to joints of both."""
+    text = (DATA / "planar_arm.urdf").read_text()
+    for joint, given in dynamics.items():
         head, tail = text.split(f'<joint name="{joint}"', 1)
-        text = f'{head}<joint name="{joint}"{tail.replace("</joint>", f"<dynamics {dynamics}/></joint>", 1)}'
-    arm.write_text(text)
-    return files / "cell.yaml"
+        text = f'{head}<joint name="{joint}"{tail.replace("</joint>", f"<dynamics {given}/></joint>", 1)}'
+    (folder / "arm.urdf").write_text(text)
+
+    def change(cell):
+        for robot in cell["robots"]:
+            robot |= {"torque": TORQUE[robot["name"]], "urdf": str(folder / "arm.urdf")}
+        if motors is not None:
+            cell["robots"][0]["motors"] = motors
+
+    return changed_cell(folder, change)
 
 
 MISTAKES = [
@@ -61,30 +51,30 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("motors", "said"), MISTAKES)
-def test_a_mistake_is_refused_by_file_key_value_and_rule(motors, said, files):
+def test_a_mistake_is_refused_by_file_key_value_and_rule(motors, said, tmp_path):
     with pytest.raises(mrts.InputError) as refused:
-        mrts.load_cell(with_motors(files, motors))
-    assert f"{files}/cell.yaml: robots[0]" in str(refused.value)
+        mrts.load_cell(with_motors(tmp_path, motors))
+    assert f"{tmp_path}/cell.yaml: robots[0]" in str(refused.value)
     assert said in str(refused.value)
 
 
-def test_one_number_stands_for_all_joints_and_a_list_for_each(files):
+def test_one_number_stands_for_all_joints_and_a_list_for_each(tmp_path):
     given = {"armature": 0.2, "friction": {"coulomb": [3, 2, 1]}, "torque_speed": [FALLING, None, FALLING], "rated": 20}
-    left, right = (robot.motors for robot in mrts.load_cell(with_motors(files, given)).robots)
+    left, right = (robot.motors for robot in mrts.load_cell(with_motors(tmp_path, given)).robots)
     found = [left.armature, left.coulomb, left.viscous, left.rated, left.jerk]
     np.testing.assert_array_equal(found, [[0.2] * 3, [3, 2, 1], [0] * 3, [20] * 3, [np.inf] * 3])
     assert [curve is None for curve in left.torque_speed] == [False, True, False]
     assert not right.has_effect
 
 
-def test_friction_is_that_of_the_urdf_unless_a_block_replaces_it(files):
-    path = with_motors(files, None, shoulder='friction="1.5"', wrist='damping="0.25" friction="0.5"')
-    cell = mrts.load_cell(path)
+def test_friction_is_that_of_the_urdf_unless_a_block_replaces_it(tmp_path):
+    urdf = {"shoulder": 'friction="1.5"', "wrist": 'damping="0.25" friction="0.5"'}
+    cell = mrts.load_cell(with_motors(tmp_path, None, **urdf))
     for robot in cell.robots:
         np.testing.assert_array_equal([robot.motors.coulomb, robot.motors.viscous], [[1.5, 0, 0.5], [0, 0, 0.25]])
     assert [warning.code for warning in cell.remarks] == ["urdf-friction"] * 2
-    cell = mrts.load_cell(with_motors(files, {"friction": "none"}))
+    cell = mrts.load_cell(with_motors(tmp_path, {"friction": "none"}, **urdf))
     assert [robot.motors.has_effect for robot in cell.robots] == [False, True]
     assert [warning.text.split(":")[0] for warning in cell.remarks] == ["robot 'right'"]
-    given = mrts.load_cell(with_motors(files, {"friction": {"coulomb": 0.5}})).robots[0].motors
+    given = mrts.load_cell(with_motors(tmp_path, {"friction": {"coulomb": 0.5}}, **urdf)).robots[0].motors
     np.testing.assert_array_equal([given.coulomb, given.viscous], [[0.5] * 3, [0] * 3])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import yaml
-from conftest import DATA
 from same_cells import same_cell
+from shipped_cells import changed_cell
 
 import mrts
 
@@ -16,15 +16,10 @@ def written(tmp_path):
     """Makes cell files of the planar cell, the first arm with a file of joint limits."""
 
     def write(limits, **keys):
-        description = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-        for robot in description["robots"]:
-            robot["urdf"] = str(DATA / "planar_arm.urdf")
-        description["robots"][0] |= {"joint_limits": "joint_limits.yaml"} | keys
         text = limits if isinstance(limits, str) else yaml.safe_dump(limits)
         (tmp_path / "joint_limits.yaml").write_text(text, encoding="utf-8")
-        path = tmp_path / "cell.yaml"
-        path.write_text(yaml.safe_dump(description), encoding="utf-8")
-        return path
+        given = {"joint_limits": "joint_limits.yaml"} | keys
+        return changed_cell(tmp_path, lambda cell: cell["robots"][0].update(given))
 
     return write
 
