@@ -32,8 +32,9 @@ from mrts.program.torque_distribution import TORQUE_WIDENING
 from mrts.scaling.range import RangeEnd, ScalingRange, range_status
 from mrts.scaling.remarks import STILL
 
-RATE_MARGIN = 1e-8
-"""Share of a rate: factors keep three of it free, less one for rounding, so that torques are more than one point."""
+RATE_MARGIN = 1e-6
+"""Share of a rate: factors keep three of it free, less one for rounding, so that torques are more than one point. With
+1e-8 an interior point found none for the shipped UR5s within rates of a whole limit per second."""
 
 REAL_ROOT = 1e-6
 """Share of a root that may be imaginary by rounding: two that coincide are found to half of all digits."""
@@ -157,7 +158,8 @@ class RatedFactors:
         return max(asked, key=lambda one: one.share)
 
     def _least(self, load: int, program: SmoothProgram, c: float) -> FactorAsked:
-        found = KernelSolver().least_rates(_with_margins(program, 3 * RATE_MARGIN), np.full(program.nodes, c * c))
+        program = _with_margins(program, 3 * RATE_MARGIN)
+        found = KernelSolver().least_rates(program, np.full(program.nodes, c * c))
         if found is None:
             raise SolverError(f"what the rates admit at c = {c:.6g} was not found.")
         share, rows, changes = found

@@ -32,8 +32,8 @@ THIRD = 24.0
 MOVED, CARRIED = 11.0, 3.0
 """Of both gantries with the object, and of the object [kg]."""
 
-ROUNDED = 1e-7
-"""Share of c that a margin of 3e-8 of rates changes, and rounding."""
+ROUNDED = 4e-6
+"""Share of c that a margin of 3e-6 of rates changes, and rounding."""
 
 BISECTED = 1e-5
 """Share of c between bisection of Clarabel's answers, which are good to 1e-8, and the linear programs' cuts."""
@@ -48,7 +48,7 @@ EFFORT = 1e-5
 """Share of the least effort by which Clarabel may miss it in a set as thin as the least shares leave."""
 
 KEPT = 1e-12
-"""Share of a rate by which torques may pass it: rounding; a margin of 1e-8 is left for Clarabel."""
+"""Share of a rate by which torques may pass it: rounding."""
 
 
 def with_contact_rate(cell, *rates):
