@@ -448,22 +448,20 @@ def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
 def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
     """All rows of several limits along one motion, in order."""
     pieces = [piece for piece in given if piece.names] or given[:1]
-
     names = tuple(chain.from_iterable([piece.names for piece in pieces]))
     columns: dict[str, Array] = {}
-    start = 0
+    axes, sized, start = None, False, 0
     for piece in pieces:
         for name, part in piece.columns.items():
             if name not in columns:  # row by row in memory: rows without the term cost nothing
                 columns[name] = np.zeros((len(names), len(part))).T
             columns[name][:, start : start + len(piece.names)] = part
-        start += len(piece.names)
+        axes = axes if piece.object_matrix is None else piece.object_axes
+        sized, start = sized or piece.size is not None, start + len(piece.names)
 
     def joined(name: str) -> Array:
         return np.concatenate([getattr(piece, name) for piece in pieces])
 
-    axes = next((piece.object_axes for piece in pieces if piece.object_matrix is not None), None)
-    sized = any(piece.size is not None for piece in pieces)
     return LimitRows(
         names=names,
         lower=joined("lower"),

@@ -71,7 +71,7 @@ def successive_steps(
     likely: Array,
     goal: Goal,
     solver: KernelSolver,
-    told: Callable[[int, float], None] = lambda _step, _cost: None,
+    told: Callable[[int], None] = lambda _step: None,
     accepted: Callable[[SmoothProfile], bool] = lambda _profile: True,
 ) -> StepsTaken | SmoothProfile:
     """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
@@ -103,7 +103,7 @@ def _played(
     best: StepsTaken,
     goal: Goal,
     solver: KernelSolver,
-    told: Callable[[int, float], None],
+    told: Callable[[int], None],
 ) -> StepsTaken:
     """What the best profile leads to: one with room where there is to be some, else one whose u does not jump."""
     if goal.room and program.free.shape[2]:  # a second step would lower ∫ s² dt by less than a hundredth
@@ -122,12 +122,12 @@ def _descent(
     found: SmoothProfile,
     goal: Goal,
     solver: KernelSolver,
-    told: Callable[[int, float], None],
+    told: Callable[[int], None],
     enough: float = 0.0,
 ) -> StepsTaken:
     """Steps from an admissible profile until one gains little, or its cost is low enough."""
     costs, gain = [cost(program, found, goal)], 1.0
-    told(1, costs[-1])
+    told(1)
     while len(costs) < MOST_STEPS and costs[-1] > enough and gain >= CONVERGED:
         better = solver.step(program, found.x, goal)
         if better is None:
@@ -136,7 +136,7 @@ def _descent(
         if gain > 0:
             found = better
             costs.append(cost(program, found, goal))
-            told(len(costs), costs[-1])
+            told(len(costs))
     return StepsTaken(found, found, tuple(costs), gain)
 
 

@@ -203,9 +203,6 @@ def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[S
     corners = question.corners if question.goal.effort == 0 else [*loads]
     carried: dict[int, Array] = {}
 
-    def told(step: int, _cost: float) -> None:
-        progress(step, step + 1)
-
     def limits(chosen: Sequence[int]) -> SmoothProgram:
         return question.program(part, chosen, question.weights if question.goal.effort > 0 else None)
 
@@ -225,7 +222,9 @@ def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[S
     program = limits(corners).narrowed(NARROWING)
     likely = _likely(question, part, program.ends)
     while True:
-        found = successive_steps(program, likely, question.goal, question.solver, told, accepted)
+        found = successive_steps(
+            program, likely, question.goal, question.solver, lambda step: progress(step, step + 1), accepted
+        )
         if isinstance(found, StepsTaken):
             carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
             free = np.concatenate([carried[place] for place in loads], axis=1)
