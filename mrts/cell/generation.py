@@ -119,7 +119,13 @@ def generate_to(path: Path, folder: Path | None) -> tuple[CellManifest, Path]:
 
 
 def export_to(
-    path: Path, folder: Path, *, parts: tuple[str, ...], name: str | None, plan: "EmbeddedPlan | None", **asked: Any
+    path: Path,
+    folder: Path,
+    *,
+    parts: tuple[str, ...],
+    name: str | None = None,
+    plan: "EmbeddedPlan | None" = None,
+    **asked: Any,
 ) -> list[str]:
     """Export a cell as a self-contained C library.
 
