@@ -111,14 +111,14 @@ def _tell_arms(request: "Request") -> None:
     from mrts.cell.remarks import joint_assumptions
     from mrts.starting.cell_check import joint_table
 
-    chains: dict[int, Arm] = {}
-    for arm in request.arms:  # two of a kind have one chain, told under the name of the first
-        chains.setdefault(id(arm.robot.source), arm)
-    for arm in chains.values():
-        chain = arm.robot
-        proposed = f" (proposed: {arm.why})" if arm.why else ""
-        names = " and ".join(other.robot.name for other in request.arms if other.robot.source is chain.source)
-        say(f"{names}: {arm.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
+    alike: dict[tuple[str, str], list[Arm]] = {}
+    for arm in request.arms:  # two of a kind are told under the name of the first
+        alike.setdefault((arm.urdf, arm.robot.source.tip_link), []).append(arm)
+    for (urdf, tip), arms in alike.items():
+        chain, why = arms[0].robot, arms[0].why
+        names = " and ".join(arm.robot.name for arm in arms)
+        proposed = f" (proposed: {why})" if why else ""
+        say(f"{names}: {urdf}, {chain.source.base_link} to {tip}{proposed}", "strong")
         for line in joint_table([chain]):
             say(line)
         for remark in joint_assumptions([chain]):
