@@ -112,7 +112,9 @@ def rpy_from_rotation(R: Array) -> list[float]:
     level = hypot(R[0, 0], R[1, 0])
     pitch = atan2(-R[2, 0], level)
     if level > ROUNDED_ANGLE:
-        roll, yaw = atan2(R[2, 1], R[2, 2]), atan2(R[1, 0], R[0, 0])
+        yaw = atan2(R[1, 0], R[0, 0])
+        c, s = cos(yaw), sin(yaw)  # roll of what yaw leaves: near a pitch of ±π/2 it is as exact as elsewhere
+        roll = atan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1])
         other = (roll - copysign(pi, roll), copysign(pi, pitch) - pitch, yaw - copysign(pi, yaw))
         triples = [(roll, pitch, yaw), other]
     else:

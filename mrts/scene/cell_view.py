@@ -43,7 +43,7 @@ class CellView:
         up: Unit vector against gravity, Shape (3,).
         direction: Unit vector from the cell to the camera, Shape (3,).
         points: That must be in the picture, Shape (P, 3) [m].
-        floor: A point below all bases, at the height of the lowest, Shape (3,) [m].
+        floor: A point below all, at the height of the lowest base, or of what hangs lower, Shape (3,) [m].
         size: Radius of a ball that holds all parts of one cell at all times [m].
     """
 
@@ -91,7 +91,7 @@ def look_at(scene: Scene) -> CellView:
     level = np.cos(AZIMUTH) * front + np.sin(AZIMUTH) * across
     direction = np.cos(ELEVATION) * level + np.sin(ELEVATION) * up
     bases = np.array([robot.T_world_base.p for robot in cell.robots])
-    floor = middle + up * (np.min(bases @ up) - middle @ up)
+    floor = middle + up * (np.min([*bases @ up, *points @ up]) - middle @ up)
     return CellView(up, direction, points, floor, size)
 
 

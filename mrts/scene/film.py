@@ -118,7 +118,7 @@ class Composition:
             dots.set_offsets(np.column_stack([np.full(len(heights), now), np.minimum(heights, axes.get_ylim()[1])]))
             axes.draw_artist(cursor)
             axes.draw_artist(dots)
-        self._clock.set_text(f"t = {min(time, self.duration):.2f} s")
+        self._clock.set_text(f"t = {min(time, self.duration):.3f} s")
         self._figure.draw_artist(self._clock)
         frame: Frame = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
         for number, renderer in enumerate(self._renderers):

@@ -31,7 +31,8 @@ def test_angles_come_back_to_rounding():
     for _ in range(300):
         drawn = rng.uniform(-np.pi, np.pi, 3) * [1, 0.45, 1]
         pitched = [*rng.uniform(-np.pi, np.pi, 1), rng.choice([-np.pi / 2, np.pi / 2]), drawn[2]]
-        for given in (drawn, drawn * 1e-4, 2 * drawn * np.eye(3)[rng.integers(3)], np.round(drawn, 2), pitched):
+        nearly = pitched[0], pitched[1] + rng.choice([1e-12, 1e-9, 1e-7, 1e-5, 1e-3]), pitched[2]
+        for given in (drawn, drawn * 1e-4, 2 * drawn * np.eye(3)[rng.integers(3)], np.round(drawn, 2), pitched, nearly):
             R = rotation_from_rpy(*given)
             np.testing.assert_allclose(R, Rotation.from_euler("xyz", given).as_matrix(), rtol=0, atol=ROUNDING)
             np.testing.assert_allclose(rotation_from_rpy(*rpy_from_rotation(R)), R, rtol=0, atol=ROUNDING)

@@ -14,7 +14,7 @@ from published_robots import ROBOTS
 from shipped_cells import cell_of_arms
 
 import mrts
-from mrts.cell.generation import urdf_files
+from mrts.cell.cell_file import urdf_files
 from mrts.collisions.bodies import body_poses
 from mrts.plots.card import answer_card
 from mrts.scene.arm_meshes import arm_meshes, drawn_arms, name_place, shares_base
@@ -170,7 +170,8 @@ def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
         assert np.min(away) > 0
         assert np.max(np.abs(seen)) < 1
     bases = np.array([robot.T_world_base.p for robot in cell.robots])
-    assert np.min((bases - view.floor) @ view.up) == pytest.approx(0, abs=1e-9)
+    above = (np.concatenate([bases, view.points]) - view.floor) @ view.up
+    assert np.min(above) == pytest.approx(0, abs=1e-9)
 
 
 def in_picture(points, camera, aspect=ASPECT):

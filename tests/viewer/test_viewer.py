@@ -15,7 +15,7 @@ from shown_viewer import PATIENCE, cell_of_real_arms, news_of, planar_given, set
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.generation import urdf_files
+from mrts.cell.cell_file import urdf_files
 from mrts.cli import main
 from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import Axis, Line, Panel
