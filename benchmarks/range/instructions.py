@@ -22,7 +22,7 @@ from cases import DATA, MOTIONS, shipped
 
 HERE = Path(__file__).resolve().parents[1]
 SAMPLES = 1000
-COUNTED = ("mrts_rows_of_sample", "mrts_scale_columns", "mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
+COUNTED = ("mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
 
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:

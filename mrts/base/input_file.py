@@ -58,7 +58,7 @@ def text_of(path: Path, what: str, content: bytes) -> str:
     try:
         text = content.decode()
     except UnicodeDecodeError:
-        raise InputError(path, f"this {what} is not UTF-8 text.") from None
+        raise InputError(path, f"this {what} is not UTF-8 text; are two files swapped?") from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -144,6 +144,15 @@ def kernel(programs: ConvexPrograms) -> Found:
 
 def qpoases(programs: ConvexPrograms) -> Found:
     """QpOASES by CasADi's `qpsol`."""
+    return _qpsol("qpoases", {"printLevel": "none", "error_on_fail": False}, programs)
+
+
+def daqp(programs: ConvexPrograms) -> Found:
+    """DAQP by CasADi's `qpsol`, of quadratic programs alone."""
+    return _qpsol("daqp", {"error_on_fail": False}, programs)
+
+
+def _qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Found:
     import casadi as ca  # noqa: PLC0415 (not needed otherwise)
 
     count, rows, unknowns = programs.A.shape
@@ -162,13 +171,13 @@ def qpoases(programs: ConvexPrograms) -> Found:
     structure = {"a": ca.Sparsity.dense(rows, unknowns), "h": hessian}
     try:
         with contextlib.redirect_stdout(io.StringIO()):  # qpOASES greets whatever its print level
-            solver = ca.conic("program", "qpoases", structure, {"printLevel": "none", "error_on_fail": False})
+            solver = ca.conic("program", plugin, structure, options)
             solved = solver.map(count)(**{name: ca.DM(value) for name, value in given.items()})
     except RuntimeError:
         # one failure fails the whole map, and qpOASES does not recover from it: each sample gets a new solver
         if count == 1:
             return np.zeros((1, unknowns)), np.zeros((1, rows)), np.zeros((1, unknowns))
-        alone = [qpoases(programs.at(np.arange(count) == sample)) for sample in range(count)]
+        alone = [_qpsol(plugin, options, programs.at(np.arange(count) == sample)) for sample in range(count)]
         x, row_dual, bound_dual = (np.concatenate(part) for part in zip(*alone, strict=True))
         return x, row_dual, bound_dual
     return solved["x"].full().T, solved["lam_a"].full().T, solved["lam_x"].full().T
@@ -206,8 +215,9 @@ SOLVERS: dict[str, Callable[[ConvexPrograms], Found]] = {
     "scipy:highs": scipy_highs,
 }
 
-FALLBACKS = (scipy_highs, kernel, qpoases)
-"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds."""
+FALLBACKS = (scipy_highs, qpoases, daqp)
+"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds. DAQP is no
+choice by itself: it gets the quadratic programs that qpOASES leaves."""
 
 
 def check_solver(name: str) -> None:

@@ -26,7 +26,7 @@ from mrts.timing.path_pieces import PathError, PathPiece, by_turns, closed_piece
 from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece, fastest_pieces
 from mrts.timing.speed_regions import SpeedRegions, intersect_regions, speed_regions
-from mrts.timing.successive_profiles import successive_profiles, weaker_rows
+from mrts.timing.successive_profiles import successive_profiles
 
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of the regions are those that nothing limits."""
@@ -42,6 +42,9 @@ FASTEST = 10.0
 
 TRIED = 48
 """How many there are, beside standstill."""
+
+REACHED = 3
+"""Speeds at the next sample, from the least to the largest, that are looked at with each of them."""
 
 
 def fastest_timing(
@@ -218,10 +221,7 @@ class _Search:
     ) -> Conflict | None:
         time = self.untimed.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
-        problems = [*self._problems(lambda _done, _total: None)]
-        if self.rows.has_speed_terms and reach is not None:
-            problems = weaker_rows(problems, self.piece.step, self.ends)
-        for point, problem in zip(self.points, problems, strict=True):
+        for point, problem in zip(self.points, self._problems(lambda _done, _total: None), strict=True):
             if reach is None:
                 found = sample_conflict(problem, time, sample, x)
             else:
@@ -293,6 +293,8 @@ def segment_conflict(
 
     Rows are of [F, u, x] at N samples; x at the start may be given.
     """
+    if problem.speed is not None:
+        return _at_pairs(problem, time, sample, step, reach, x)
     here, there = problem.at(np.array([sample])), problem.at(np.array([sample + 1]))
     free = problem.unknowns - 2
     none = np.zeros((1, problem.A.shape[1], free))
@@ -335,6 +337,24 @@ def _least(found: list[Conflict | None], sample: int) -> Conflict | None:
     if len(conflicts) < len(found):
         return None
     return replace(min(conflicts, key=lambda one: one.widening), sample=sample)
+
+
+def _at_pairs(
+    problem: SampleProblem, time: Array, sample: int, step: float, reach: tuple[float, float], x: float | None
+) -> Conflict | None:
+    """`segment_conflict` where rows have terms in √x: with x given at both ends, u is known, and each is by itself."""
+    starts = _tried(problem, sample) if x is None else np.array([x])
+    pairs = np.array([(start, end) for start in starts for end in np.linspace(*reach, REACHED)])
+    u = (pairs[:, 1] - pairs[:, 0]) / (2 * step)
+    ends = []
+    for place in (0, 1):
+        rows = _at_speeds(problem, sample + place, pairs[:, place])
+        given, A = rows.rate * u[:, None], rows.A.copy()
+        A[:, :, -2] = 0.0
+        rows = replace(rows, A=A, lower=rows.lower - given, upper=rows.upper - given)
+        ends.append(find_conflicts(rows, np.full(len(u), time[sample]), np.arange(len(u)), DEFAULT_SOLVER))
+    worse = [max(filter(None, pair), key=lambda one: one.widening, default=None) for pair in zip(*ends, strict=True)]
+    return _least(worse, sample)
 
 
 def _with_law(problem: SampleProblem, name: RowName, column: Array, lower: float, upper: float) -> SampleProblem:

@@ -5,12 +5,15 @@ Terms in √x are those of viscous friction and torque-speed curves. In each pro
 start + slope x, as the two arrays of `Lines`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.kernel.programs import default_programs
 from mrts.program.sample_problem import SampleProblem
 from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile, segment_times
 from mrts.timing.speed_regions import FARTHEST, SpeedRegions, intersect_regions, speed_regions
@@ -36,15 +39,23 @@ AT_BORDER = 1e-9
 LEAST_SHARE = 1e-12
 """Tangents are laid at no less than this share of the largest x: at 0 they are upright."""
 
-Ends = tuple[float, float]
-"""x at the first and the last sample of a path."""
+FINENESS = (2.0, 2.0**0.25)
+"""Ratios of the ends of an interval of x, coarse first: a tangent in its middle misses √x by 1.8 % and 0.1 % of it."""
+
+SPAN = (2.0**-12, 2.0**4)
+"""Least and largest end of an interval but the first, as a multiple of an x that the path makes likely."""
+
+Ends = tuple[float | None, float | None]
+"""x at the first and the last sample of a path, None where it is not given."""
 
 Lines = tuple[Array, Array]
 """Start and slope at every sample, each Shape (N,)."""
 
 
-def successive_profiles(problems: Sequence[SampleProblem], step: Array, ends: Ends) -> list[SpeedProfile] | Obstacle:
-    """Profiles within limits, each faster than the one before, or where none leads on.
+def successive_profiles(
+    problems: Sequence[SampleProblem], step: Array, ends: tuple[float, float]
+) -> list[SpeedProfile] | Obstacle:
+    """Profiles within limits, each faster than the one before, or where there is none.
 
     Where √x presses towards a limit it is replaced by its tangent at the last profile, where it helps to keep one by
     its chord over an interval around that profile, which only narrows: rows are stricter than the given ones, and the
@@ -56,9 +67,7 @@ def successive_profiles(problems: Sequence[SampleProblem], step: Array, ends: En
         step: Length of each segment, Shape (n - 1,).
     """
     search = _Search(problems, step, ends)
-    first = search.part_of(_without_speed(problems))
-    if isinstance(first, Obstacle):
-        first = search.part_of(weaker_rows(problems, step, ends))
+    first = search.first()
     if isinstance(first, Obstacle):
         return first
     done, before = [first], np.inf
@@ -70,34 +79,24 @@ def successive_profiles(problems: Sequence[SampleProblem], step: Array, ends: En
     return done
 
 
-def weaker_rows(problems: Sequence[SampleProblem], step: Array, ends: Ends) -> list[SampleProblem]:
-    """Rows without √x that are weaker than the given ones at every speed: what they forbid, limits forbid."""
-    length, nothing = float(np.sum(step)), np.zeros(problems[0].samples)
-    bounds = [speed_regions(one, length, ends).bound for one in _without_speed(problems)]
-    likely = max(*ends, min(bounds) / FARTHEST)
-    return _linear(problems, (nothing, nothing), _tangents(nothing + likely), ends)
-
-
 @dataclass(frozen=True)
 class _Search:
     problems: Sequence[SampleProblem]
     step: Array
-    ends: Ends
+    ends: tuple[float, float]
 
-    def part_of(self, rows: Sequence[SampleProblem]) -> SpeedProfile | Obstacle:
-        """A profile within limits, a part of the fastest one in rows without √x, or why there is none.
+    def first(self) -> SpeedProfile | Obstacle:
+        """A profile within limits, if there is one.
 
-        Where the cell can hold still at every sample with something to spare, a slow enough one is within limits. An
-        obstacle in weaker rows is one of the limits; otherwise it is that in the stricter rows of the slowest part.
+        Where the cell can hold still at every sample with something to spare, a slow enough one is; else it is searched
+        for among all speeds.
         """
-        whole = self.fastest(self.regions(rows))
-        if isinstance(whole, Obstacle):
-            return whole
-        for share in STARTS:
-            found = self.near(share * whole.x, np.zeros_like(whole.x), FIRST_REACH * share * whole.x)
-            if isinstance(found, SpeedProfile):
-                break
-        return found
+        bare = self.fastest(self.regions(None, None))
+        for at in () if bare is None else [share * bare.x for share in STARTS]:
+            found = self.near(at, np.zeros_like(at), FIRST_REACH * at)
+            if found is not None:
+                return found
+        return self.through_cells()
 
     def narrow(self, done: list[SpeedProfile]) -> bool:
         """Add faster profiles while chords grow narrower; whether the last touches the border of its interval."""
@@ -106,10 +105,10 @@ class _Search:
         while len(done) < MOST_STEPS:
             x, before = done[-1].x, self.duration(done[-1])
             least, most = np.maximum(least, x / WIDTHS[stage]), np.minimum(most, x * WIDTHS[stage])
-            found, after = self.near(x, least, most), np.inf
-            if isinstance(found, SpeedProfile):
-                after = self.duration(found)
-                done += [found] if after < before else []
+            found = self.near(x, least, most)
+            after = np.inf if found is None else self.duration(found)
+            if found is not None and after < before:
+                done.append(found)
             if stage == len(WIDTHS) - 1 and not after < before * (1 - CONVERGED):
                 break
             stage = min(stage + 1, len(WIDTHS) - 1)
@@ -117,11 +116,10 @@ class _Search:
         at_border = (x <= least * (1 + AT_BORDER)) | (x >= most * (1 - AT_BORDER))
         return bool(np.any(at_border[1:-1]))
 
-    def near(self, at: Array, least: Array, most: Array) -> SpeedProfile | Obstacle:
+    def near(self, at: Array, least: Array, most: Array) -> SpeedProfile | None:
         """The fastest profile between two others, of x at least and at most, in rows made stricter by tangents at x."""
         at = np.maximum(at, LEAST_SHARE * np.max(at))
-        chords = _chords(least, np.maximum(most, at))
-        regions = self.regions(_linear(self.problems, _tangents(at), chords, self.ends))
+        regions = self.regions(_tangents(at), _chords(least, np.maximum(most, at)))
         lower, upper, inside = regions.lower.copy(), regions.upper.copy(), slice(1, -1)
         lower[inside] = np.maximum(lower, least)[inside]
         upper[inside] = np.minimum(upper, most)[inside]
@@ -134,38 +132,166 @@ class _Search:
         """
         x = last.x
         lines = _tangents(np.maximum(x, LEAST_SHARE * np.max(x)))
-        around = self.fastest(self.regions(_linear(self.problems, lines, lines, self.ends)))
-        if isinstance(around, Obstacle):
+        around = self.fastest(self.regions(lines, lines))
+        if around is None:
             return last
         lower, upper = np.minimum(around.lower, x), np.maximum(around.upper, x)
         return replace(last, regions=around.regions, lower=lower, upper=upper)
 
-    def regions(self, rows: Sequence[SampleProblem]) -> SpeedRegions:
-        length = float(np.sum(self.step))
-        return intersect_regions([speed_regions(one, length, self.ends) for one in rows])
+    def regions(self, pressing: Lines | None, helping: Lines | None, ends: Ends | None = None) -> SpeedRegions:
+        """Regions with lines in the place of √x, and √x itself where x is given; without these terms for None."""
+        length, given = float(np.sum(self.step)), self.ends if ends is None else ends
+        if pressing is None or helping is None:
+            rows = [replace(one, speed=None, torque_speed=None) for one in self.problems]
+        else:
+            rows = [_without_root(one, _pinned(pressing, given), _pinned(helping, given)) for one in self.problems]
+        return intersect_regions([speed_regions(one, length, (given[0] or 0.0, given[1] or 0.0)) for one in rows])
 
-    def fastest(self, regions: SpeedRegions) -> SpeedProfile | Obstacle:
-        last = len(self.step)
-        for sample in regions.undecided[-1:]:
-            return Obstacle("end" if sample == last else "segment", sample, (0.0, 0.0))
-        return fastest_profile(self.step, regions, self.ends)
+    def fastest(self, regions: SpeedRegions) -> SpeedProfile | None:
+        found = None if regions.undecided else fastest_profile(self.step, regions, self.ends)
+        return found if isinstance(found, SpeedProfile) else None
 
     def duration(self, profile: SpeedProfile) -> float:
         """Of a profile [s]; infinity where it stands still."""
         with np.errstate(divide="ignore"):
             return float(np.sum(segment_times(self.step, profile.x, profile.rise)))
 
+    def through_cells(self) -> SpeedProfile | Obstacle:
+        """A profile within limits, or where none leads on.
 
-def _without_speed(problems: Sequence[SampleProblem]) -> list[SampleProblem]:
-    return [replace(one, speed=None, torque_speed=None) for one in problems]
+        The range of x is cut into intervals; on each of them the rows are replaced by stricter ones, which miss them by
+        a small share of their terms in √x. Backward, the x of each interval from which the end is reached are found;
+        they are exact for the stricter rows. So a profile is found if there is one that keeps limits with that share to
+        spare.
+        """
+        likely = max(*self.ends, self.regions(None, None).bound / FARTHEST)
+
+        def cells(ratio: float, given: Ends) -> list[SpeedRegions]:
+            steps = int(np.ceil(np.log(SPAN[1] / SPAN[0]) / np.log(ratio)))
+            edges = likely * np.append(0.0, SPAN[0] * ratio ** np.arange(steps + 1))
+            return [self.cell(given, *edge) for edge in pairwise(edges.tolist())]
+
+        for ratio in FINENESS:
+            tried = cells(ratio, self.ends)
+            reaches = _reaches(tried, self.step)
+            if reaches[0]:
+                found = fastest_profile(self.step, _along(tried, reaches), self.ends)
+                if isinstance(found, SpeedProfile):
+                    return found
+            if ratio == FINENESS[0] and self.fastest(self.weaker(likely)) is None:
+                break
+        return _obstacle(reaches, lambda given: _reaches(cells(FINENESS[0], given), self.step), self.ends)
+
+    def weaker(self, likely: float) -> SpeedRegions:
+        """Regions of rows that are weaker than the given ones at every speed."""
+        nothing = np.zeros(self.problems[0].samples)
+        return self.regions((nothing, nothing), _tangents(nothing + likely))
+
+    def cell(self, ends: Ends, least: float, most: float) -> SpeedRegions:
+        """Regions of stricter rows in one interval of x."""
+        count = self.problems[0].samples
+        low, high = np.full(count, least), np.full(count, most)
+        middle = np.square((np.sqrt(low) + np.sqrt(high)) / 2)
+        regions = self.regions(_tangents(middle), _chords(low, high), ends)
+        for place, x in ((0, ends[0]), (-1, ends[1])):
+            if x is not None:
+                low[place] = high[place] = x
+        low, high = np.maximum(regions.lower, low), np.minimum(regions.upper, high)
+        high[list(regions.undecided)] = -np.inf
+        return replace(regions, lower=low, upper=high)
 
 
-def _linear(problems: Sequence[SampleProblem], pressing: Lines, helping: Lines, ends: Ends) -> list[SampleProblem]:
-    """Rows with lines in the place of √x; at the first and the last sample, where x is given, with √x itself."""
-    lines = [(start.copy(), slope.copy()) for start, slope in (pressing, helping)]
-    for start, slope in lines:
-        start[[0, -1]], slope[[0, -1]] = np.sqrt(ends), 0.0
-    return [_without_root(one, *lines) for one in problems]
+@dataclass(frozen=True)
+class _Reach:
+    """An interval of x at a sample from which the end is reached, and where it leads: the place of the next one."""
+
+    low: float
+    high: float
+    cell: int
+    next: int
+
+
+def _reaches(cells: Sequence[SpeedRegions], step: Array) -> list[list[_Reach]]:
+    """At every sample the x from which the end is reached, the fastest cells first."""
+    last, fastest_first = len(step), [*enumerate(cells)][::-1]
+    reaches: list[list[_Reach]] = [[] for _ in range(last + 1)]
+    for number, cell in fastest_first:
+        low, high = float(cell.lower[last]), float(cell.upper[last])
+        if low <= high and not any(one.low <= low and high <= one.high for one in reaches[last]):
+            reaches[last].append(_Reach(low, high, number, 0))
+    for i in range(last - 1, -1, -1):
+        for number, cell in fastest_first:
+            found = []
+            for place, ahead in enumerate(reaches[i + 1]):
+                x = _backward(cell, cells[ahead.cell], i, float(step[i]), ahead)
+                if x is not None:
+                    found.append(_Reach(*x, number, place))
+            reaches[i] += _covering(found)
+    return reaches
+
+
+def _backward(
+    cell: SpeedRegions, next_cell: SpeedRegions, i: int, step: float, to: _Reach
+) -> tuple[float, float] | None:
+    if not cell.lower[i] <= cell.upper[i]:
+        return None
+    lower, upper = np.array([cell.lower[i], to.low]), np.array([cell.upper[i], to.high])
+    start, planes = _joined([(cell, i), (next_cell, i + 1)])
+    failed = default_programs().backward(np.array([step]), np.zeros(1), start, planes, lower, upper)
+    return None if failed >= 0 else (float(lower[0]), float(upper[0]))
+
+
+def _joined(samples: Sequence[tuple[SpeedRegions, int]]) -> tuple[NDArray[np.int64], Array]:
+    parts = [cell.planes[cell.start[i] : cell.start[i + 1]] for cell, i in samples]
+    return np.cumsum([0, *map(len, parts)], dtype=np.int64), np.concatenate(parts)
+
+
+def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedRegions:
+    chosen = [reaches[0][0]]
+    for ahead in reaches[1:]:
+        chosen.append(ahead[chosen[-1].next])
+    at = [(cells[one.cell], i) for i, one in enumerate(chosen)]
+    lower, upper = np.array([(cell.lower[i], cell.upper[i]) for cell, i in at]).T
+    return SpeedRegions(*_joined(at), lower, upper, max(cell.bound for cell in cells), ())
+
+
+def _obstacle(
+    reaches: list[list[_Reach]], reached: Callable[[Ends], list[list[_Reach]]], ends: tuple[float, float]
+) -> Obstacle:
+    last = len(reaches) - 1
+    blocked = max((i for i, some in enumerate(reaches) if not some), default=0)
+    if blocked == last:
+        return Obstacle("end", last, _hull(reached((ends[0], None))[last]))
+    ahead = _hull(reaches[blocked + 1])
+    if blocked == 0:
+        admitted = reached((None, ends[1]))[0] if ends[0] > 0 else []
+        if admitted or ends[0] == 0:
+            return Obstacle("start", 0, _hull(admitted), ahead)
+    return Obstacle("segment", blocked, ahead)
+
+
+def _hull(reaches: Sequence[_Reach]) -> tuple[float, float]:
+    return min((one.low for one in reaches), default=0.0), max((one.high for one in reaches), default=0.0)
+
+
+def _covering(found: list[_Reach]) -> list[_Reach]:
+    chosen: list[_Reach] = []
+    left = found
+    while left:
+        end = chosen[-1].high if chosen else min(one.low for one in left)
+        near = [one for one in left if one.low <= end]
+        chosen.append(max(near, key=lambda one: one.high) if near else min(left, key=lambda one: one.low))
+        left = [one for one in left if one.high > chosen[-1].high]
+    return chosen
+
+
+def _pinned(lines: Lines, ends: Ends) -> Lines:
+    """The same lines; at the first and the last sample, where x is given, √x itself."""
+    start, slope = lines[0].copy(), lines[1].copy()
+    for place, x in ((0, ends[0]), (-1, ends[1])):
+        if x is not None:
+            start[place], slope[place] = np.sqrt(x), 0.0
+    return start, slope
 
 
 def _tangents(at: Array) -> Lines:

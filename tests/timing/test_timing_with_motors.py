@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
-from changed_robots import with_robots
 from draws import seeds
 from gantries import along_x, gantries
 from one_arm import duration
@@ -131,51 +130,3 @@ def test_friction_at_a_stop_points_along_the_travel(back, profile, tmp_path):
     assert both.retimed.residuals().limits <= FEASIBLE
     mrts.save_result(both.retimed, tmp_path / "stop.npz")
     assert np.array_equal(mrts.load_result(tmp_path / "stop.npz").trajectory.friction, done.friction)
-
-
-def on_an_arc(folder, **motors):
-    """Two gantries on an arc of radius 2 that may only push towards its centre, by 1 to 5 N each: 3 kg need speed."""
-    cell = equipped(gantries(folder), **motors)
-    push = {"wrench_lower": np.array([-np.inf, 1.0, -np.inf]), "wrench_upper": np.array([np.inf, 5.0, np.inf])}
-    cell = with_robots(cell, **push)
-    time = np.linspace(-0.35, 0.35, 61)
-    zero, s, c = np.zeros(61), np.sin(time), np.cos(time)
-    position, velocity = np.column_stack([2 * s, -2 * c, zero]), np.column_stack([2 * c, 2 * s, zero])
-    turn = np.zeros((61, 3))
-    motion = mrts.ObjectMotion(
-        time + 0.35,
-        position,
-        np.tile(np.eye(3), (61, 1, 1)),
-        np.concatenate([velocity, turn], axis=1),
-        np.concatenate([-position, turn], axis=1),
-    )
-    return cell, motion
-
-
-@pytest.mark.quick
-def test_a_path_that_needs_speed_everywhere_is_timed(tmp_path):
-    cell, motion = on_an_arc(tmp_path, viscous=1.0, coulomb=1.0)
-    found = mrts.retime(cell, motion, start_speed=1.0, end_speed=1.0)
-    assert found.status.admits_motion, found.summary()
-    x = found.pieces[0].profile.x / found.pieces[0].piece.speed ** 2
-    assert np.min(x) > 1 / 3  # 2 N at least
-    assert np.max(x) <= 5 / 3 / np.cos(0.35) + 1e-9  # 10 N at most
-    assert found.retimed.residuals().limits <= 1e-8
-    slow = mrts.retime(cell, motion, start_speed=0.3, end_speed=1.0)
-    assert slow.status.value == "start speed not admissible"
-    assert "these conflict" in slow.explanation, slow.explanation
-
-
-@pytest.mark.quick
-def test_what_cannot_be_timed_says_which_limits_conflict(planar_cell, lift, tmp_path):
-    load = np.array([50.0, 0, 0, 0, 1, 1, 1, 0, 0, 0])
-    heavy, ideal = (mrts.retime(equipped(planar_cell.with_load(load), viscous=b), lift) for b in (8.0, 0.0))
-    assert heavy.status is ideal.status
-    assert heavy.conflict is not None
-    assert {*heavy.conflict.rows} == {*ideal.conflict.rows}  # at rest viscous friction has no effect
-    one_way = with_robots(gantries(tmp_path, wrench=3.0), wrench_upper=np.array([-1.0, np.inf, np.inf]))
-    one_way = equipped(one_way, viscous=1.0)
-    found = mrts.retime(one_way, along_x())
-    assert found.status.value == "start speed not admissible", found.summary()
-    assert "cannot start from rest" in found.explanation
-    assert "fx contact wrench" in found.explanation
