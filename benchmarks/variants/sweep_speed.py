@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -74,8 +75,9 @@ def swept(study: Path, out: Path, count: int, *, kills: bool) -> tuple[float, in
             now = workers(driver.pid)
             peak = max(peak, sum(memory(each) for each in (driver.pid, *now)))
             if kills and now and time.monotonic() > last + KILL_EVERY:
-                os.kill(int(chosen.choice(now)), signal.SIGKILL)
-                killed, last = killed + 1, time.monotonic()
+                with suppress(ProcessLookupError):  # it may just have ended by itself
+                    os.kill(int(chosen.choice(now)), signal.SIGKILL)
+                    killed, last = killed + 1, time.monotonic()
     if driver.returncode:
         raise SystemExit(driver.returncode)
     return time.monotonic() - begun, peak, killed
