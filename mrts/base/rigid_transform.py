@@ -111,15 +111,11 @@ def rpy_from_rotation(R: Array) -> list[float]:
     """
     level = hypot(R[0, 0], R[1, 0])
     pitch = atan2(-R[2, 0], level)
-    if level > ROUNDED_ANGLE:
-        yaw = atan2(R[1, 0], R[0, 0])
-        c, s = cos(yaw), sin(yaw)  # roll of what yaw leaves: near a pitch of ±π/2 it is as exact as elsewhere
-        roll = atan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1])
-        other = (roll - copysign(pi, roll), copysign(pi, pitch) - pitch, yaw - copysign(pi, yaw))
-        triples = [(roll, pitch, yaw), other]
-    else:
-        triples = [(atan2(-R[1, 2], R[1, 1]), pitch, 0.0)]
-    least = min(triples, key=lambda triple: sum(abs(angle) > ROUNDED_ANGLE for angle in triple))
+    yaw = atan2(R[1, 0], R[0, 0]) if level > ROUNDED_ANGLE else 0.0
+    c, s = cos(yaw), sin(yaw)  # roll of what yaw leaves: near a pitch of ±π/2 it is as exact as elsewhere
+    roll = atan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1])
+    other = (roll - copysign(pi, roll), copysign(pi, pitch) - pitch, yaw - copysign(pi, yaw))
+    least = min((roll, pitch, yaw), other, key=lambda triple: sum(abs(angle) > ROUNDED_ANGLE for angle in triple))
     short = [round(angle, ANGLE_DIGITS) for angle in least]
     return [one + 0.0 if len(repr(one)) < LONG_DECIMAL else angle for one, angle in zip(short, least, strict=True)]
 

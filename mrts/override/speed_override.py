@@ -164,7 +164,7 @@ class SpeedOverride:
         tables = limit_tables(plan_of(result, fastest), backwards=backwards)
         if rates is not None:
             tables = rate_tables(tables, rate_limits(tables.plan.cell, rates))
-        self._tables, self._library, self._c = tables, tables.library, tables.c
+        self._tables = tables
 
     @property
     def cell(self) -> Cell:
@@ -196,7 +196,7 @@ class SpeedOverride:
         for name, value in (("time", time), ("speed", speed)):
             if not is_number(value):
                 raise InputError(name, "must be a finite number.", value=value)
-        status = self._library.mrts_override_start(self._c, time, speed, numbers)
+        status = self._tables.library.mrts_override_start(self._tables.c, time, speed, numbers)
         if status:
             if status != NOT_ADMITTED:
                 raise InputError("time", f"must be a place of the plan (0 to {self.duration:g} s).", value=time)
@@ -220,7 +220,7 @@ class SpeedOverride:
             raise InputError("wanted", "must be a finite number.", value=wanted)
         _check_tick(dt)
         numbers = self._numbers(state).copy()
-        self._library.mrts_override_step(self._c, wanted, dt, numbers)
+        self._tables.library.mrts_override_step(self._tables.c, wanted, dt, numbers)
         return self._state(numbers)
 
     def play(self, wanted: Array, dt: float = TICK, state: OverrideState | None = None) -> NDArray[Any]:
@@ -236,7 +236,9 @@ class SpeedOverride:
             raise InputError("wanted", "must have Shape (k,) and be finite.")
         _check_tick(dt)
         states = np.zeros(len(given), self._tables.state)
-        self._library.mrts_override_play(self._c, len(given), given, dt, self._numbers(state or self.start()), states)
+        self._tables.library.mrts_override_play(
+            self._tables.c, len(given), given, dt, self._numbers(state or self.start()), states
+        )
         return states
 
     def stop_time(self, state: OverrideState, dt: float = TICK) -> float:
@@ -250,7 +252,7 @@ class SpeedOverride:
         if not is_number(seconds, 0):
             raise InputError("seconds", "must be a time >= 0 in s.", value=seconds)
         speed = np.zeros(1)
-        self._library.mrts_override_speed_for_stop(self._c, self._numbers(state), seconds, dt, speed)
+        self._tables.library.mrts_override_speed_for_stop(self._tables.c, self._numbers(state), seconds, dt, speed)
         return float(speed[0])
 
     def stops(self, dt: float = TICK) -> Stops:
@@ -298,7 +300,7 @@ class SpeedOverride:
             raise InputError("q", f"must have Shape ({len(self.cell.joint_names)},).")
         if not is_number(within, 0):
             raise InputError("within", "must be a distance >= 0.", value=within)
-        if self._library.mrts_override_resume(self._c, given, within, numbers):
+        if self._tables.library.mrts_override_resume(self._tables.c, given, within, numbers):
             raise InputError("q", f"no place of the plan is within {within:g} of it in every joint.")
         return self._state(numbers)
 
