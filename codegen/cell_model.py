@@ -40,9 +40,6 @@ from mrts.cell.points import ArmPointLimit, ObjectRates, point_names
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource
 
-FEWEST_JOINTS = 3
-"""Joints of an arm from which on equal friction is no accident."""
-
 
 class BuiltRobot(NamedTuple):
     """One arm as a cell file and its URDF give it; remarks say where values are from."""
@@ -268,18 +265,11 @@ def _check_efforts(urdf_path: Path, name: str, path: Path, joints: tuple[Joint, 
 def _friction_of_urdf(robot: str, friction: tuple[tuple[float, ...], tuple[float, ...]]) -> Remark:
     named = [(name, values) for name, values in zip(OF_FRICTION, friction, strict=True) if any(values)]
     shown = "; ".join(f"{name} {', '.join(f'{value:g}' for value in values)}" for name, values in named)
-    same = any(_same_round_number(values) for _, values in named)
     return Remark(
-        "friction-placeholders" if same else "urdf-friction",
-        f"robot '{robot}': friction is that of the URDF's <dynamics> ({shown}), which "
-        f"{'looks like' if same else 'is often'} a placeholder. Give "
+        "urdf-friction",
+        f"robot '{robot}': friction is that of the URDF's <dynamics> ({shown}), which is often a placeholder. Give "
         "'motors: {friction: …}' in the cell file, or 'motors: {friction: none}' to ignore it.",
     )
-
-
-def _same_round_number(values: tuple[float, ...]) -> bool:
-    """Whether all joints have the same number, of one digit: of joints of different size, none that was measured is."""
-    return len(values) >= FEWEST_JOINTS and {*values} == {float(f"{values[0]:.0e}")}
 
 
 def _point_limits(

@@ -10,9 +10,6 @@ Severity = Literal["hint", "warning", "assumption"]
 """How much it matters: a likely mistake, what to know before trusting an answer, or what is taken for granted, which is
 told by a check alone."""
 
-EFFORT_PLACEHOLDERS = "effort-placeholders"
-"""Code of the remark on efforts of a URDF that say nothing of the motors: an outcome names it in its first sentence."""
-
 NEAREST_INERTIA = "inertia-nearest"
 """Code of the remark on an inertia of a URDF that was moved to the nearest one of a body."""
 

@@ -172,7 +172,6 @@ class CellChange:
             update={
                 "friction": thing.friction and thing.friction * more,
                 "half_width": thing.half_width and [width * more for width in thing.half_width],
-                "height": thing.centre_height if thing.half_width else None,
             }
         )
 

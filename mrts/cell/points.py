@@ -77,7 +77,7 @@ class CarriedThing(Record):
         normal: Of that surface, from the object into the thing, object frame, of any length, Shape (3,).
         friction: Coefficient between the two; None where it cannot slide.
         half_width: Of its foot along a and b, axes in the surface as a pad's, Shape (2,) [m]; None where it cannot tip.
-        height: Of its centre of mass above the surface [m]; None is the larger half width, as of a cube.
+        height: Of its centre of mass above the surface [m]; it goes with `half_width`.
     """
 
     name: Name | None = None
@@ -93,7 +93,8 @@ class CarriedThing(Record):
             return "its 'normal' has no length: it is a direction, such as [0, 0, 1]"
         if self.friction is None and self.half_width is None:
             return "nothing limits it: give 'friction', 'half_width' or both"
-        return "'height' goes with 'half_width' only" if self.height and self.half_width is None else ""
+        together = (self.height is None) == (self.half_width is None)
+        return "" if together else "'half_width' and 'height', of its centre of mass, go together: give both or none"
 
     @property
     def axes(self) -> Array:
@@ -101,14 +102,9 @@ class CarriedThing(Record):
         return contact_axes("normal", self.normal, WRENCH_COMPONENTS)
 
     @property
-    def centre_height(self) -> float:
-        """Height of its centre of mass above the surface, as far as it matters [m]."""
-        return self.height or max(self.half_width or [0.0])
-
-    @property
     def centre(self) -> Array:
-        """Its centre of mass in the object frame, Shape (3,) [m]."""
-        return np.asarray(np.array(self.at) + self.centre_height * self.axes[2], dtype=np.float64)
+        """Its centre of mass in the object frame; of one that cannot tip `at`, Shape (3,) [m]."""
+        return np.asarray(np.array(self.at) + (self.height or 0.0) * self.axes[2], dtype=np.float64)
 
 
 def point_names(given: list[Any], default: str = "") -> list[str]:

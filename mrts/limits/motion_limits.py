@@ -93,9 +93,9 @@ def _facets(thing: CarriedThing) -> tuple[Array, list[tuple[str, int]]]:
         within = thing.friction * np.cos(np.pi / NORM_SIDES)
         directions += [np.outer(np.cos(angle), a) + np.outer(np.sin(angle), b) - within * n]
         names += [(STANDING[0], NORM_SIDES)] * NORM_SIDES
-    if thing.half_width is not None:
+    if thing.half_width is not None and thing.height is not None:
         for axis, width in zip((a, b), thing.half_width, strict=True):
-            directions += [np.array([sign * axis - width / thing.centre_height * n for sign in (1, -1)])]
+            directions += [np.array([sign * axis - width / thing.height * n for sign in (1, -1)])]
         names += [(what, 0) for what in STANDING[1:]]
     return np.concatenate(directions), names
 

@@ -87,7 +87,7 @@ def _motions(cell: Cell) -> tuple[list[RowName], dict[str, NDArray[Any]]]:
     none = [0] * len(cell.object_points)
     places = [point.at_zero for _, point in of_arms] + [point.point for point in cell.object_points]
     unlimited = [np.inf, np.inf]
-    tilt = [np.divide(thing.half_width or unlimited, thing.centre_height or 1.0) for thing in things]
+    tilt = [np.divide(thing.half_width or unlimited, thing.height or 1.0) for thing in things]
     return names, {
         "ACCELERATION_LOWER": cell.stacked("acceleration_lower"),
         "ACCELERATION_UPPER": cell.stacked("acceleration_upper"),

@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from mrts.base.atomic_file import JsonOutput
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.printable import printable
-from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
+from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -280,7 +280,7 @@ class ScalingResult(Result):
     def sentence(self) -> str:
         """The outcome alone."""
         rated = "" if self.options.rates is None else "rates apart, " if self.origin else "within the rates, "
-        text = f"{kept_text(self.cell.reserve, self.warnings)}{rated}{self._outcome()}"
+        text = f"{kept_text(self.cell.reserve)}{rated}{self._outcome()}"
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
 
@@ -354,11 +354,9 @@ def fallbacks_text(count: int) -> str:
     return f"{count} {'program was' if count == 1 else 'programs were'} left by the chosen solver and solved by another"
 
 
-def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
-    """What a reserve that all limits keep, and limits that are none, make of an answer, as its beginning."""
-    doubtful = any(remark.code == EFFORT_PLACEHOLDERS for remark in warnings)
-    text = "with efforts of the URDF that look like placeholders, " if doubtful else ""
-    return f"{text}with {100 * reserve:.4g} % of every limit in reserve, " if reserve else text
+def kept_text(reserve: float) -> str:
+    """The beginning of an answer where all limits keep a reserve."""
+    return f"with {100 * reserve:.4g} % of every limit in reserve, " if reserve else ""
 
 
 def largest_excess(rows: LimitRows, done: ScaledTrajectory) -> float:

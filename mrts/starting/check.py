@@ -7,8 +7,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.errors import InputError, Mistakes, MotionError
 from mrts.base.remark import Remark
@@ -16,11 +14,6 @@ from mrts.cell.cell import Cell, uncompiled_cell
 from mrts.cell.generation import arm_of_urdf, is_generated, read_urdf, read_without_generating
 from mrts.cell.remarks import (
     COLLISIONS_UNKNOWN,
-    FAR,
-    LONGEST_ARM,
-    NEAR,
-    arm_length,
-    base_remarks,
     joint_assumptions,
     missing_masses,
     urdf_remarks,
@@ -97,7 +90,7 @@ def _with_reach(
     progress: Progress,
 ) -> CellCheck:
     if isinstance(motion, ObjectMotion):
-        found = replace(found, remarks=(*found.remarks, *motion.remarks, *_motion_units(cell, motion)))
+        found = replace(found, remarks=(*found.remarks, *motion.remarks))
     try:
         if not isinstance(motion, ObjectMotion):
             closed = coordinate(cell, motion)
@@ -124,24 +117,6 @@ def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | Coordin
     near, said = clearance_remarks(cell, motion)
     others = [remark for remark in found.remarks if remark.code != COLLISIONS_UNKNOWN]
     return replace(found, clearance=near, remarks=(*others, *said))
-
-
-def _motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
-    """Remarks on lengths of a motion, or of bases beside it, that are likely in mm."""
-    longest = max(arm_length(robot) for robot in cell.robots)
-    if not 0 < longest <= LONGEST_ARM:
-        return
-    bases = max(float(np.linalg.norm(robot.T_world_base.p)) for robot in cell.robots)
-    furthest = float(np.max(np.linalg.norm(motion.position, axis=1)))
-    if furthest > FAR * longest + bases and furthest / 1000 < NEAR * longest + bases:
-        yield Remark.hint(
-            "motion-millimetres",
-            f"the motion takes the object {furthest:.4g} m from the origin, no base is farther from it than "
-            f"{bases:.3g} m, and the longest arm is {longest:.3g} m long: its lengths seem to be in mm.",
-        )
-    if not any(remark.code == "base-millimetres" for remark in cell.all_remarks):
-        for robot in cell.robots:
-            yield from base_remarks(robot, motion.position[0], motion.position[0], longest)
 
 
 def _check_urdf(path: Path) -> CellCheck:

@@ -33,9 +33,6 @@ MOST_HANDS = 2
 MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
 
-HOPELESS = ("urdf-millimetres", "limits-equal")
-"""Codes of remarks on URDFs of which no cell can be made."""
-
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 """World axes [m/s²]."""
 
@@ -188,7 +185,7 @@ def check_movable(arm: Arm, plane: str | None) -> None:
         )
         raise InputError(arm.path, rule)
     for remark in urdf_remarks(arm.robot):
-        if remark.code in HOPELESS:
+        if remark.code == "limits-equal":
             raise InputError(arm.path, remark.text)
     rows = twist_rows(plane)
     q = postures_for_rank(arm.middle())

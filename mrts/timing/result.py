@@ -311,7 +311,7 @@ class RetimingResult(Result):
 
     def sentence(self) -> str:
         """The outcome alone."""
-        kept = kept_text(self.cell.reserve, self.warnings)
+        kept = kept_text(self.cell.reserve)
         if not self.status.admits_motion:
             return printable(f"{kept}{self.status.value}: {self.explanation}")
         given, best = float(self.motion.object.time[-1]), self.factor

@@ -53,7 +53,7 @@ def equipped(cell, rng):
         "object_velocity_limit": np.array([0.5, np.inf]),
         "object_acceleration_limit": np.array([np.inf, 4.0]),
         "object_points": (PointLimit(name="corner", point=[0.1, 0.2, 0.3], acceleration=2.0),),
-        "carried": (CarriedThing(name="cup", friction=0.4, half_width=[0.03, 0.04]),),
+        "carried": (CarriedThing(name="cup", friction=0.4, half_width=[0.03, 0.04], height=0.05),),
         "power_limit": 900.0,
     }
     cell = replace(cell, robots=tuple(robots), **of_object)

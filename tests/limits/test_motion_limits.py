@@ -138,7 +138,7 @@ def with_cup(folder, gravity=(0, -G, 0), **cup):
     [
         ({"friction": 0.3}, 0.3, "slips"),
         ({"half_width": [0.03, 0.02], "height": 0.1}, None, "tips"),
-        ({"friction": 0.3, "half_width": [0.03, 0.03]}, 0.3, "slips"),
+        ({"friction": 0.3, "half_width": [0.03, 0.03], "height": 0.03}, 0.3, "slips"),
         ({"friction": 0.9, "half_width": [0.03, 0.03], "height": 0.05}, 0.6, "tips"),
     ],
 )
