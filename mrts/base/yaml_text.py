@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""YAML without surprises, and edits of a text that leave the rest of it, comments too, as it was written.
+"""YAML without surprises.
 
 No key stands twice, numbers are those of YAML 1.2, and no small text means a huge value.
 """
@@ -12,8 +12,6 @@ from typing import Any, cast
 import yaml
 from yaml.composer import ComposerError
 
-from mrts.base.errors import InputError
-
 MAX_YAML_BYTES = 1_000_000
 MAX_YAML_VALUES = 20_000
 """Nearly two thousand waypoints: read in a second, and far above any cell. Larger data go into tables."""
@@ -23,8 +21,6 @@ LINE = 110
 MAX_YAML_DEPTH = 20
 """A cell file is 5 deep."""
 
-
-Key = str | int
 
 PLAIN = re.compile(
     r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z./][A-Za-z0-9_./-]*[A-Za-z][A-Za-z0-9_./-]*", re.IGNORECASE
@@ -125,67 +121,6 @@ def parse_yaml(text: str) -> Any:
         raise ValueError(f"is not valid YAML{place}: {problem}") from None
     except ValueError as error:
         raise ValueError(f"holds a value that YAML cannot read: {error}") from None
-
-
-def edited_yaml(text: str, edits: Mapping[tuple[Key, ...], Any]) -> str:
-    """A YAML text with other values.
-
-    Args:
-        text: That has been read before.
-        edits: New values by where they are, as ("robots", 0, "base", "xyz"); what is missing there is added, in an
-            existing mapping.
-
-    Raises:
-        InputError: If there is no such place, or an alias repeats what was there.
-    """
-    for keys, value in edits.items():
-        try:
-            root = yaml.compose(text, Loader=yaml.SafeLoader)
-        except yaml.YAMLError:
-            raise InputError("YAML", "an alias repeats what is to be replaced; write it out.") from None
-        text = _edited(text, root, keys, value)
-    return text
-
-
-def _edited(text: str, node: Any, keys: tuple[Key, ...], value: Any) -> str:
-    for depth, key in enumerate(keys):
-        child = _child(node, key)
-        if child is None:
-            for later in reversed(keys[depth + 1 :]):
-                value = {later: value}
-            return _with_key(text, node, key, value)
-        node = child
-    start: int = node.start_mark.index
-    return text[:start] + flow(value) + text[_end(node) :]
-
-
-def _child(node: Any, key: Key) -> Any:
-    if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and -len(node.value) <= key < len(node.value):
-        return node.value[key]
-    if isinstance(node, yaml.MappingNode):
-        return next((value for name, value in node.value if name.value == key), None)
-    raise InputError("YAML", "there is no such place in the file.", key=str(key))
-
-
-def _end(node: Any) -> int:
-    """Where the text of a node ends; of a block its mark is where the next one begins, behind comments."""
-    if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
-        last = node.value[-1]
-        return _end(last[1] if isinstance(last, tuple) else last)
-    end: int = node.end_mark.index
-    return end
-
-
-def _with_key(text: str, node: Any, key: Key, value: Any) -> str:
-    if not isinstance(node, yaml.MappingNode) or not isinstance(key, str):
-        raise InputError("YAML", "there is no such place in the file.", key=str(key))
-    end, entry = _end(node), f"{key}: {flow(value)}"
-    if node.flow_style:
-        return text[: end - 1] + (", " if node.value else "") + entry + text[end - 1 :]
-    line = text.find("\n", end)
-    line = len(text) if line < 0 else line
-    indent: int = node.value[0][0].start_mark.column
-    return text[:line] + "\n" + " " * indent + entry + text[line:]
 
 
 def flow(value: Any) -> str:

@@ -211,17 +211,16 @@ def _read(cell: Path, motion: Path, given: dict[str, Any]) -> "tuple[Cell, Objec
 def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
     from mrts.viewer.choices import Given
 
-    cell_path = cell if _urdfs(cell) else None
     if motion is None:
         from mrts.cell.cell import cell_to_compile
         from mrts.viewer.player_state import still_motion
 
         alone = cell_to_compile(cell) or options.compiled_cell(cell)
-        return Given(cell=alone, motion=still_motion(alone), cell_path=cell_path, stands=True)
+        return Given(cell=alone, motion=still_motion(alone), stands=True)
     from mrts.motion.motion_file import described_motion
 
     limited, played = _read(cell, motion, given)
-    return Given(limited, played, described_motion(motion), cell_path, motion, given)
+    return Given(limited, played, described_motion(motion), given)
 
 
 def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:
@@ -238,7 +237,7 @@ def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int
         if isinstance(source, ScalingResult):
             bench, outcome = PlayerState.saved(source), source.summary()
         else:
-            with working("looking at the cell" if source.stands else f"scaling {source.motion_path}") as progress:
+            with working("looking at the cell" if source.stands else f"scaling {name}") as progress:
                 bench = Workbench(source, progress)
             first = bench.answer
             if source.stands and isinstance(first.shown, HeldPoses):

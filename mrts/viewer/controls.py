@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Controls of the panel that change choices, save them, or change how the scene looks; needs the extra 'view'."""
+"""Controls of the panel that change choices, or how the scene looks; needs the extra 'view'."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,11 +11,10 @@ import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MrtsError
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_change import Changed, limit_names
-from mrts.viewer.choices import Choices, Place, free_axes, moved_by, offset_of, places, save_choices
-from mrts.viewer.panel import text_html
+from mrts.viewer.choices import Choices, Place, changed_keys, free_axes, moved_by, offset_of, places
+from mrts.viewer.panel import keys_html
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.workbench import Workbench
 
@@ -34,8 +33,7 @@ FARTHEST, TURNED = 500.0, 180.0
 FASTEST_RATE = 50.0
 """Largest torque rate on offer, a multiple of the torque limit per second [1/s]."""
 
-NOWHERE, NO_LIMIT = "nothing", "–"
-NO_FILE = "Only a cell file is written anew: this cell is from generated files, or a variant of a study."
+NOWHERE = "nothing"
 
 Later = Callable[[Callable[[], None]], None]
 """Takes work for the thread that follows the controls."""
@@ -79,6 +77,7 @@ class ChangeControls:
             self._add_limits()
         with self._gui.add_folder("Places"):
             self._add_places()
+        self._keys = self._gui.add_html("")
         self.show()
 
     def follow(self, speed_at: Callable[[Choices], float | None]) -> None:
@@ -103,6 +102,10 @@ class ChangeControls:
         for control in self._bound:
             control.show(choices)
         self._rate.visible = choices.profile == "smooth"
+
+    def tell(self, choices: Choices) -> None:
+        """Say what was changed, as files have it."""
+        self._keys.content = keys_html(changed_keys(self._given, choices))
 
     def _reset(self) -> None:
         self._bench.edit(Choices())
@@ -133,11 +136,6 @@ class ChangeControls:
             hint="a multiple of the torque limit per second, for joints whose rate the cell file does not give",
         )  # fmt: skip
         self._bind_field(self._rate, "torque_rate")
-        simulated = gui.add_checkbox(
-            "in closed loop", initial_value=False,
-            hint="the motion played by the controller of mrts simulate, on a cell that is not quite as planned",
-        )  # fmt: skip
-        self._bind_field(simulated, "simulated")
 
     def _add_load(self) -> None:
         gui, cell = self._gui, self._given.cell
@@ -149,30 +147,28 @@ class ChangeControls:
 
     def _add_limits(self) -> None:
         gui = self._gui
-        groups: dict[tuple[str, str], list[Changed]] = {}
+        groups: dict[str, list[Changed]] = {}
+        single: dict[str, list[Changed]] = {}
         for name in limit_names(self._given.cell):
-            groups.setdefault((name[0], name[1]), []).append(name)
-        for (kind, robot), names in groups.items():
-            words = {"torque": "torques", "wrench": "wrenches", "contact": "contacts"}.get(kind)
-            if words is not None:
-                slider = gui.add_slider(f"{robot} {words} [%]", *SHARES, hint="of all these limits as they were given")
-                self._bind_limits(slider, names)
-        single = {f"{name[1]}/{name[2]} {name[0]}": name for group in groups.values() for name in group}
+            kind, robot, element = name
+            if words := {"torque": "torques", "wrench": "wrenches", "contact": "contacts"}.get(kind):
+                groups.setdefault(f"{robot}: all {words}", []).append(name)
+            single[f"{robot}/{element} {kind}"] = [name]
+        on_offer = groups | single
         state = self._bench.answer.state
         found = None if state is None else state.card.deciding
         first = "" if found is None else f"{found.name.robot}/{found.name.element} {found.name.kind}"
-        first = first if first in single else NO_LIMIT
-        menu = gui.add_dropdown("one limit", (NO_LIMIT, *single), initial_value=first, hint="at first what decides")
-        chosen = [single[first]] if first in single else []
-        of_single = gui.add_slider("of that limit [%]", *SHARES, disabled=not chosen)
+        first = first if first in on_offer else next(iter(on_offer), NOWHERE)
+        menu = gui.add_dropdown("limit", (*on_offer, NOWHERE), initial_value=first, hint="at first what decides")
+        chosen = list(on_offer.get(first, []))
+        slider = gui.add_slider("of that limit [%]", *SHARES, hint="of what it was given as")
 
         def choose(now: Choices, value: str) -> Choices:
-            chosen[:] = [single[value]] if value in single else []
-            of_single.disabled = not chosen
+            chosen[:] = on_offer.get(value, [])
             return now
 
         self._bind(menu, lambda _: menu.value, choose)
-        self._bind_limits(of_single, chosen)
+        self._bind_limits(slider, chosen)
 
     def _bind_limits(self, slider: viser.GuiSliderHandle[float], names: list[Changed]) -> None:
 
@@ -228,49 +224,15 @@ class ChangeControls:
         self._bind(slider, read, apply)
 
 
-def add_save_controls(gui: viser.GuiApi, bench: Workbench, later: Later) -> None:
-    """Add names of the files, and the button that writes them, to the container that is open."""
-    with gui.add_folder("Save as"):
-        if bench.given.cell_path is None:
-            gui.add_html(text_html("note", NO_FILE))
-            return
-        gui.add_html(text_html("note", f"Into {bench.given.cell_path.resolve().parent}"))
-        cell = gui.add_text("cell file", "changed_cell.yaml")
-        described = bench.given.description is not None
-        motion = gui.add_text("motion file", "changed_motion.yaml" if described else "", visible=described)
-        overwrite = gui.add_checkbox("replace files", initial_value=False)
-        button = gui.add_button("Save")
-        said = gui.add_html("")
-
-    def save() -> None:
-        choices = bench.choices
-        try:
-            paths, remark = save_choices(bench.given, choices, cell.value, motion.value, overwrite=overwrite.value)
-        except MrtsError as error:
-            said.content = text_html("error", str(error))
-            return
-        assign(overwrite, value=False)
-        names = " and ".join(path.name for path in paths)
-        changed = ", ".join(choices.edited()) or "nothing was changed"
-        said.content = text_html("saved", f"Saved {names} ({changed}). {remark}")
-
-    button.on_click(lambda _: later(save))
-
-
 def add_view_controls(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> None:
-    """Add the colours of the page, and where the scene is seen from, to the container that is open."""
+    """Add the colours of the page to the container that is open."""
 
     def darken(*, on: bool) -> None:
         configure_theme(gui, dark=on)
         scene.darken(on=on)
 
-    def fit(event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
-        if event.client is not None:
-            later(partial(scene.fit, event.client))
-
     dark = gui.add_checkbox("dark", initial_value=False)
     dark.on_update(lambda event: later(partial(darken, on=event.target.value)))
-    gui.add_button("Show the whole cell").on_click(fit)
 
 
 def configure_theme(gui: viser.GuiApi, *, dark: bool = False) -> None:

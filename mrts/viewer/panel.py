@@ -6,16 +6,13 @@ from importlib.resources import files
 
 import numpy as np
 
-from mrts.base.errors import MrtsError
 from mrts.base.printable import html_text
 from mrts.base.remark import Remark
 from mrts.base.words import interval_text
 from mrts.collisions.clearance import Clearance
 from mrts.limits.rows import Side
-from mrts.override.speed_override import OverrideState
 from mrts.plots.card import Card, Nearness
 from mrts.scene.scene import FORCE, MOMENT
-from mrts.simulation.simulate import Simulation
 from mrts.viewer.player_state import HeldPoses, PlayerState
 
 OVER = "var(--mrts-over)"
@@ -60,15 +57,6 @@ def collisions_html(near: Clearance | None, said: Sequence[Remark]) -> str:
     """How near bodies come to each other and what was not looked at, in red where they collide; empty without both."""
     text = html_text(". ".join(remark.text for remark in said))
     return _paragraph("collisions", text, red=near is not None and near.collides) if said else ""
-
-
-def simulation_html(found: Simulation | MrtsError | None) -> str:
-    """What became of the motion in closed loop, in red where limits are passed; empty where it was not asked."""
-    if found is None:
-        return ""
-    if isinstance(found, MrtsError):
-        return _paragraph("simulation", html_text(str(found)), red=True)
-    return _paragraph("simulation", html_text(f"In closed loop {found.sentence()}."), red=bool(found.passed))
 
 
 def held_html(held: HeldPoses) -> str:
@@ -122,12 +110,6 @@ def speed_html(state: PlayerState | None) -> str:
     return _paragraph("speed", text, red=True)
 
 
-def override_html(state: OverrideState) -> str:
-    """The speed at which an override plays, and the limit that keeps it from the wanted one."""
-    held = f", held by {html_text(state.active)}" if state.active else ""
-    return _paragraph("override", f"{100 * state.speed:.0f} % of the planned speed{held}")
-
-
 def moment_html(state: PlayerState | None, sample: int) -> str:
     """The chosen time, and which speeds its sample alone admits and why; None leaves the place empty."""
     if state is None:
@@ -171,8 +153,14 @@ def arrows_html(metres_per_newton: float, metres_per_newton_metre: float) -> str
     return _paragraph("arrows", text)
 
 
+def keys_html(lines: Sequence[str]) -> str:
+    """What was changed, a line each; empty where nothing was."""
+    changed = "".join(f"<br><code>{html_text(line)}</code>" for line in lines)
+    return _paragraph("keys", f"Changed, as the cell file and the motion file have it:{changed}") if lines else ""
+
+
 def text_html(kind: str, text: str) -> str:
-    """A text of the panel, such as a "note", what was "saved", or an "error"."""
+    """A text of the panel, such as a "note" or an "error"."""
     return _paragraph(kind, html_text(text), red=kind == "error")
 
 

@@ -1,20 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""The time of a motion that is played, and the override of its speed, within all limits; needs the extra 'view'."""
+"""The time of a motion that is played; needs the extra 'view'."""
 
-from concurrent.futures import Future, ThreadPoolExecutor
-from math import ceil, floor, log10
+from math import floor, log10
 
 import viser
 
-from mrts.base.errors import MrtsError
-from mrts.override.speed_override import OverrideState, SpeedOverride
-from mrts.override.tables import TICK
-from mrts.scaling.result import ScalingResult
 from mrts.scene.scene import PACES, suited_pace
-from mrts.timing.result import RetimingResult
 from mrts.viewer.controls import DECIMALS, Later, assign
-from mrts.viewer.panel import override_html, text_html
-from mrts.viewer.player_state import HeldPoses, PlayerState
 
 READING = 0.1
 """Time between numbers while the motion plays: faster, nobody reads them [s]."""
@@ -23,16 +15,12 @@ PACE_NAMED = {name: pace for pace, name in PACES.items()}
 
 
 class Playback:
-    """The time of what is shown and how it goes on: a slider, Play, and an override of the planned speed with a stop.
+    """The time of what is shown and how it goes on: a slider, and Play; `add_pace` adds how fast that is.
 
-    The override of a plan is made, in a thread of its own, when another speed than the planned one is asked for; until
-    then the motion plays as planned. `add_pace` adds how fast that is.
+    Attributes:
+        duration: Of what is shown [s].
+        plays: Whether time goes on.
     """
-
-    _taken: PlayerState | HeldPoses | None = None
-    _plan: ScalingResult | RetimingResult | None = None
-    _made: Future[SpeedOverride] | None = None
-    _state: OverrideState | None = None
 
     def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
         self.duration, self.plays, self._toggled = duration, False, False
@@ -40,11 +28,6 @@ class Playback:
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
         self._play.on_click(lambda _: later(self.toggle))
-        self._wanted = gui.add_slider("override [%]", 0, 100, 1, 100, visible=visible)
-        self._wanted.precision = DECIMALS
-        self._stop = gui.add_button("Stop", icon=viser.Icon.PLAYER_STOP, visible=visible)
-        self._stop.on_click(lambda _: later(lambda: assign(self._wanted, 0)))
-        self._text, self._worker = gui.add_html("", visible=visible), ThreadPoolExecutor(1, "mrts override")
 
     def add_pace(self, gui: viser.GuiApi) -> None:
         """Add how fast it plays to the container that is open."""
@@ -74,45 +57,16 @@ class Playback:
             self._share = min(self._shown / self.duration, 1.0)  # which was rounded
         if self.plays:
             self._unread += elapsed
-            self._share = self._after(elapsed * PACE_NAMED[self._pace.value]) / self.duration
+            self._share += elapsed * PACE_NAMED[self._pace.value] / self.duration
             if self._share > 1:
                 self._share %= 1
-        return changed or self.plays or self._toggled, changed or self._unread >= READING
+        return changed or self.plays, changed or self._unread >= READING
 
     def show(self) -> None:
         """Show the time on the slider, unless a user has just moved it."""
         self._unread = 0.0
         digits = max(0, 3 - floor(log10(self.duration)))  # four tell times along the motion apart
         self._shown = set_slider(self._time, (0.0, round(self.duration, digits)), digits, self.time, self._shown)
-
-    def take(self, shown: PlayerState | HeldPoses) -> None:
-        """Turn to another motion, or to another speed of it."""
-        if shown is self._taken:
-            return
-        self.duration = float(shown.scene.time[-1])
-        self._taken, self._made, self._state = shown, None, None
-        self._plan = shown.plan if isinstance(shown, PlayerState) else None
-        self._wanted.disabled = self._stop.disabled = self._plan is None
-        self._text.content = ""
-
-    def _after(self, elapsed: float) -> float:
-        """The time of the plan [s] when some more has gone by."""
-        if self._made is None and self._plan is not None and self._wanted.value < 100:  # noqa: PLR2004 (as planned)
-            self._made = self._worker.submit(SpeedOverride, self._plan)
-        if self._made is None or not self._made.done():
-            return self.time + elapsed
-        try:
-            override = self._made.result()
-        except MrtsError as error:
-            self._text.content = text_html("error", str(error))
-            return self.time + elapsed
-        state, ticks = self._state, ceil(elapsed / TICK)
-        if state is None or abs(state.time - self.time) > TICK * override.duration:  # another time was chosen
-            state = override.start(min(self.time, override.duration), 1.0 if state is None else state.speed)
-        for _ in range(ticks):
-            state = override.step(state, self._wanted.value / 100, elapsed / ticks)
-        self._state, self._text.content = state, override_html(state)
-        return self.time + elapsed if state.finished else state.time
 
 
 def set_slider(

@@ -64,10 +64,10 @@ MOST_SAMPLES = 41
 class Speeds:
     """The speeds c that are offered: from `lower` to `upper` by `step`, a power of ten; `start` is the first choice.
 
-    `ends` are c² of "c⁻" and "c⁺", as far as they are finite and > 0.
+    `ends` are those c² of both ends that are finite and > 0.
     """
 
-    ends: dict[str, float]
+    ends: list[float]
     lower: float
     upper: float
     step: float
@@ -80,15 +80,15 @@ class Speeds:
 
     def c2(self, c: float) -> float:
         """The c² that a c on offer stands for: the exact end where the end lies within half a step."""
-        near = [c2 for c2 in self.ends.values() if abs(sqrt(c2) - c) <= self.step / 2]
+        near = [c2 for c2 in self.ends if abs(sqrt(c2) - c) <= self.step / 2]
         return near[-1] if near else c * c
 
 
 def offered_speeds(found: ScalingRange) -> Speeds:
     """Speeds to slightly beyond both ends of a range of c²; without an admissible one c = 1 is the first choice."""
     both = [end.c2 for end in (found.lower, found.upper) if end is not None]
-    ends = {name: c2 for name, c2 in zip(("c⁻", "c⁺"), both, strict=False) if isfinite(c2) and c2 > 0}
-    of_ends, moves = [sqrt(c2) for c2 in ends.values()], found.status.admits_motion and both[1] > 0
+    ends = [c2 for c2 in both if isfinite(c2) and c2 > 0]
+    of_ends, moves = [sqrt(c2) for c2 in ends], found.status.admits_motion and both[1] > 0
     start, most = 1.0, FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
     if moves and isfinite(both[1]):
         start, most = sqrt(both[1]), 0.0
@@ -103,7 +103,7 @@ def offered_speeds(found: ScalingRange) -> Speeds:
     return Speeds(ends, lower, upper, step, start)
 
 
-OF_TIMINGS = Speeds(ends={"r(t)": 1.0}, lower=0.1, upper=BEYOND, step=1e-3, start=1.0)
+OF_TIMINGS = Speeds(ends=[1.0], lower=0.1, upper=BEYOND, step=1e-3, start=1.0)
 """Speeds of a timing that was found: shares of its own."""
 
 
@@ -130,7 +130,7 @@ class PlayerState:
     def saved(cls, result: ScalingResult) -> "PlayerState":
         """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
         done = played(result)
-        return cls(result, done, Speeds({}, done.c, done.c, 1.0, done.c))
+        return cls(result, done, Speeds([], done.c, done.c, 1.0, done.c))
 
     def at_speed(self, c: float) -> "PlayerState":
         """The same outcome played at another speed, a factor > 0: one within half a step of an end is that end.
@@ -163,11 +163,6 @@ class PlayerState:
     def played_timing(self) -> RetimingResult | None:
         """The timing, at its own speed."""
         return self.timing if self.trajectory.c2 == 1 else None
-
-    @property
-    def plan(self) -> ScalingResult | RetimingResult | None:
-        """What a speed override plays; None of a speed that limits do not admit."""
-        return (self.played_timing or self.played) if self.admissible else None
 
     @property
     def card(self) -> Card:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps."""
 
-import warnings
-
 import numpy as np
 import viser
 from numpy.typing import NDArray
@@ -12,7 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance
 from mrts.plots.card import LimitBar
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms, name_place
-from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at
+from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
 from mrts.scene.held_body import held_body, outlines, shape_surface
 from mrts.scene.scene import (
     FORCE,
@@ -48,13 +46,6 @@ OPACITY = 0.9
 NO_LINES = np.zeros((0, 2, 3), dtype=np.float32)
 
 
-ASPECT_CHANGE = 0.03
-"""By which share a picture's aspect changes before the view is fitted to it again."""
-
-MOVED_AWAY = 0.02
-"""How far a camera is from where it was put, as a share of its distance, once somebody moved it."""
-
-
 class ViewerScene:
     """Draws answers and moments.
 
@@ -65,11 +56,11 @@ class ViewerScene:
     """
 
     def __init__(self, server: viser.ViserServer, shown: Scene, urdfs: Urdfs, warn: Warn) -> None:
-        self._server, self._scene = server, server.scene
+        self._scene = server.scene
         cell, self._view = shown.cell, look_at(shown)
         self.size = self._view.size
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
-        self._look()
+        self._look(server.initial_camera)
         self._scene.configure_default_lights(enabled=True, cast_shadow=False)  # shadows cost most of the frames
         self._draw_surroundings()
         self._draw_cell(cell, urdfs, warn)
@@ -83,16 +74,14 @@ class ViewerScene:
             scene.add_line_segments(name, np.zeros((1, 2, 3)), PATH, thickness=width, thickness_units="screen")
             for name, width in (("/path", PATH_WIDTH), ("/nearest", NEAREST_WIDTH))
         )
-        self._names, self._gap_names = (
-            [scene.add_label(f"/{kind}/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots]
-            for kind in ("names", "gap_names")
-        )
+        self._names = [
+            scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
+        ]
         self._nearest_name = scene.add_label("/nearest_name", "", anchor="bottom-center")
         self._end_names = [
             scene.add_label("/start_name", "start", anchor="top-left"),
             scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
-        self._fitted: dict[int, tuple[float, Camera]] = {}
         self.show(shown)
 
     def show(self, course: Scene, *, anew: bool = True) -> None:
@@ -138,12 +127,6 @@ class ViewerScene:
         missing = [] if held is None else np.flatnonzero(~held.reached[int(place)]).tolist()
         gaps = np.array([(moment.lines[index][-1], point[index]) for index in missing]).reshape(-1, 2, 3)
         self._gaps.points = gaps.astype(np.float32)
-        for index, (label, robot) in enumerate(zip(self._gap_names, self._course.cell.robots, strict=True)):
-            label.visible = index in missing
-            if held is not None and label.visible:
-                gap = held.gap[int(place), index]
-                short = f"{1000 * gap:.0f} mm short" if gap >= SHORTEST else "cannot turn so"
-                label.text, label.position = f"{robot.name}: {short}", np.mean(gaps[missing.index(index)], axis=0)
 
     def show_nearest(self, near: Clearance | None) -> None:
         """Draw the least distance along a motion between its two points, red if it is a depth, and say when it is."""
@@ -157,30 +140,6 @@ class ViewerScene:
     def darken(self, *, on: bool) -> None:
         """Draw the floor for a dark page, or for a light one."""
         self._floor.cell_color, self._floor.section_color = ((60,) * 3, (90,) * 3) if on else ((220,) * 3, (180,) * 3)
-
-    def fit(self, client: viser.ClientHandle) -> None:
-        """Let a browser look at the whole cell, whatever the shape of its picture."""
-        camera, found = client.camera, self._view.camera(client.camera.aspect)
-        self._fitted[client.client_id] = (camera.aspect, found)
-        with warnings.catch_warnings(), client.atomic():
-            warnings.simplefilter("ignore", UserWarning)  # a browser may close meanwhile, and viser says so
-            camera.up_direction = self._view.up
-            camera.position = found.position  # which takes the point looked at along
-            camera.look_at = found.target
-
-    def follow_windows(self) -> None:
-        """Fit the view of browsers that are new, or whose window changed its shape, unless somebody moved it."""
-        clients = self._server.get_clients()
-        for client_id, client in clients.items():
-            if client_id not in self._fitted:
-                self.fit(client)
-                continue
-            aspect, put = self._fitted[client_id]
-            away = np.linalg.norm(client.camera.position - put.position)
-            moved = away > MOVED_AWAY * np.linalg.norm(put.position - put.target)
-            if not moved and abs(client.camera.aspect / aspect - 1) > ASPECT_CHANGE:
-                self.fit(client)
-        self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
 
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
@@ -224,8 +183,8 @@ class ViewerScene:
             for name in ("start", "goal")
         ]
 
-    def _look(self) -> None:
-        camera, view, found = self._server.initial_camera, self._view, self._view.camera()
+    def _look(self, camera: viser.InitialCameraConfig) -> None:
+        view, found = self._view, self._view.camera()
         self._scene.set_up_direction(view.up)
         camera.up, camera.position, camera.look_at = view.up, found.position, found.target
         camera.fov = FIELD_OF_VIEW

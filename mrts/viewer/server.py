@@ -31,12 +31,9 @@ from mrts.base.errors import InputError
 LARGEST_MESSAGE = 16_384
 """From a browser [bytes]: a control's new value or a camera takes some hundred. Who sends more is cut off."""
 
-LONGEST_TEXT = 200
-"""Of a text field: a name of a file."""
-
-CAMERA = {"wxyz": 4, "position": 3, "look_at": 3, "up_direction": 3,
-          **dict.fromkeys(("fov", "near", "far", "image_height", "image_width"), 0)}  # fmt: skip
-"""What a browser says of where it looks from: how many numbers each, 0 for a single one."""
+CAMERA = {"type": "ViewerCameraMessage", "wxyz": (1, 0, 0, 0), "position": (0, 0, 1), "look_at": (0, 0, 0),
+          "up_direction": (0, 1, 0), "fov": 1, "near": 0.1, "far": 1, "image_height": 1, "image_width": 1}  # fmt: skip
+"""Stands for what a browser says of where it looks from: viser waits for it, and nobody here asks."""
 
 
 def open_server(host: str, port: int, label: str) -> "GuardedServer":
@@ -161,8 +158,8 @@ class GuardedServer(viser.ViserServer):
             case {"type": "GuiUpdateMessage" as kind, "uuid": str(uuid), "updates": {"value": value}}:
                 possible = _possible(self.controls.get(uuid), value)
                 return None if possible is None else {"type": kind, "uuid": uuid, "updates": {"value": possible}}
-            case {"type": "ViewerCameraMessage" as kind} if _are_numbers(read, CAMERA):
-                return {"type": kind, **{name: read[name] for name in CAMERA}}
+            case {"type": "ViewerCameraMessage"}:
+                return CAMERA
         return None
 
 
@@ -189,27 +186,15 @@ def _is_loopback(host: str) -> bool | None:
         return None
 
 
-def _are_numbers(read: dict[str, Any], lengths: dict[str, int]) -> bool:
-    for name, length in lengths.items():
-        parts = read.get(name) if length else [read.get(name)]
-        if not isinstance(parts, list) or len(parts) != max(length, 1):
-            return False
-        if not all(isinstance(part, int | float) and not isinstance(part, bool) and isfinite(part) for part in parts):
-            return False
-    return True
-
-
 def _possible(control: Any, value: Any) -> bool | float | str | None:
     """The value nearest to the given one that a control can have; None if it has no such values, or is not seen."""
     if control is None or not control.visible:
         return None
     match control:
-        case viser.GuiSliderHandle(disabled=False) if _are_numbers({"": value}, {"": 0}):
+        case viser.GuiSliderHandle(disabled=False) if type(value) in {int, float} and isfinite(value):
             return min(max(float(value), control.min), control.max)
         case viser.GuiDropdownHandle(disabled=False):
             return value if isinstance(value, str) and value in control.options else None
-        case viser.GuiTextHandle(disabled=False) if isinstance(value, str):
-            return value if len(value) <= LONGEST_TEXT and value.isprintable() else None
         case viser.GuiCheckboxHandle(disabled=False) | viser.GuiButtonHandle(disabled=False) if value in [True, False]:
             return bool(value)
     return None

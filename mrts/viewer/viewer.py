@@ -7,7 +7,6 @@ slider never queues up work. Answers are found in the workbench's own thread.
 
 import contextlib
 import time
-from math import sqrt
 from queue import SimpleQueue
 from typing import Any
 
@@ -20,7 +19,6 @@ from mrts.viewer.choices import Choices
 from mrts.viewer.controls import (
     ChangeControls,
     Later,
-    add_save_controls,
     add_view_controls,
     configure_theme,
 )
@@ -33,13 +31,12 @@ from mrts.viewer.panel import (
     moment_html,
     nearest_html,
     outcome_html,
-    simulation_html,
     speed_html,
     text_html,
     verdict_html,
 )
 from mrts.viewer.playback import Playback, set_slider
-from mrts.viewer.player_state import HeldPoses, PlayerState, Speeds
+from mrts.viewer.player_state import HeldPoses, PlayerState
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.time_plots import PlotPanel
 from mrts.viewer.workbench import Answer, Workbench
@@ -52,7 +49,7 @@ FIXED = "A saved result is played at the speed it was saved with. To change some
 
 
 class Viewer:
-    """The scene and the panel: the outcome, speed and time, limits, changes and files.
+    """The scene and the panel: the outcome, speed and time, limits and changes.
 
     It shows the answers of a workbench, or the state of a saved result, of which nothing can be changed: `bench` is
     None then, and `plots` are where a cell is looked at without a motion.
@@ -76,9 +73,7 @@ class Viewer:
         if self.bench is None:
             gui.add_html(text_html("note", FIXED))
         else:
-            self._speed = gui.add_slider(
-                "speed c", 0.0, 1.0, 1.0, 0.0, marks=((0.0, ""),), hint="× as fast as given", visible=not stands
-            )
+            self._speed = gui.add_slider("speed c", 0.0, 1.0, 1.0, 0.0, hint="× as fast as given", visible=not stands)
             self._shown_speed = self._speed.value
         duration = float(answer.shown.scene.time[-1])
         found = None if answer.state is None else answer.state.card.deciding
@@ -103,9 +98,6 @@ class Viewer:
             if not stands:
                 self.playback.add_pace(gui)
             add_view_controls(gui, self._scene, later)
-        if self.bench is not None:
-            with tabs.add_tab("Save"):
-                add_save_controls(gui, self.bench, later)
 
     @property
     def state(self) -> PlayerState | None:
@@ -135,7 +127,6 @@ class Viewer:
             another = another or moves
             if another:
                 self._show_moment(read=read)
-            self._scene.follow_windows()
             if self.plots is not None:
                 self.plots.step(elapsed)
             if another:
@@ -184,14 +175,14 @@ class Viewer:
             return  # what was shown before stays
         others = answer is self._answer or state is None or before is None or state.result is not before.result
         self._answer, self._shown, self._error = answer, shown, ""
-        self.playback.take(shown)
+        self.playback.duration = float(shown.scene.time[-1])
         with self.server.atomic():
             self._scene.show(shown.scene, anew=others)
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             self._scene.show_nearest(near)
             if state is not None:
-                self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
+                self._outcome = outcome_html(state) + collisions_html(near, said)
             elif isinstance(shown, HeldPoses):
                 self._outcome = held_html(shown)
             self._show_verdict()
@@ -200,13 +191,14 @@ class Viewer:
                 scene = self._scene
                 self._nearest.content = "" if state is None else nearest_html(state.card)
                 self._arrows.content = arrows_html(scene.metres_per_newton, scene.metres_per_newton_metre)
-                self.plots.show_answer(answer)
+                self.plots.show(state)
             self._show_moment(read=True)
+        if self._changes is not None:
+            self._changes.tell(answer.choices)
         if state is not None and self.bench is not None:  # unless a user has moved on to another speed
             speeds, chosen = state.speeds, self._shown_speed
             c = chosen if self.bench.is_asked else state.trajectory.c
             self._shown_speed = set_slider(self._speed, (speeds.lower, speeds.upper), speeds.digits, c, chosen)
-            set_marks(self._speed, speeds)
 
     def _show_moment(self, *, read: bool) -> None:
         shown, scene, at = self._shown, self._shown.scene, self.playback.time
@@ -221,11 +213,3 @@ class Viewer:
         if read:
             self.playback.show()
             self._moment_text.content = moment_html(self.state, self.sample)
-
-
-def set_marks(slider: viser.GuiSliderHandle[float], speeds: Speeds) -> None:
-    """Name the ends of the admissible range below a slider."""
-    marks = [(sqrt(c2), name) for name, c2 in speeds.ends.items()]
-    inside = [(value, name) for value, name in marks if speeds.lower <= value <= speeds.upper]
-    built: Any = viser._messages  # noqa: SLF001 (viser renews marks no other way)
-    slider._marks = tuple(built.GuiSliderMark(value=value, label=name) for value, name in inside)  # noqa: SLF001

@@ -103,9 +103,9 @@ def test_speeds_on_offer_pass_both_ends(lower, upper, start, high):
     assert speeds.start == pytest.approx(start)
     assert speeds.upper == pytest.approx(high, rel=0.01)
     assert 0 < speeds.lower < speeds.start <= speeds.upper
-    assert all(speeds.lower < np.sqrt(c2) < speeds.upper for c2 in speeds.ends.values())
+    assert all(speeds.lower < np.sqrt(c2) < speeds.upper for c2 in speeds.ends)
     assert (speeds.upper - speeds.lower) / speeds.step >= 400
-    for c2 in speeds.ends.values():
+    for c2 in speeds.ends:
         assert speeds.c2(round(float(np.sqrt(c2)), speeds.digits)) == c2
     between = speeds.start - 3 * speeds.step
     assert speeds.c2(between) == between**2

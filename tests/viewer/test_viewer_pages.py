@@ -72,7 +72,7 @@ def test_the_page_follows_the_speed_slider(chromium):
         assert "Inside the admissible range [0, 3.062]" in text(page, "speed")
         assert page.evaluate(USED) == 100
         before = page.locator("[data-bars]").inner_text()
-        speed, time, _ = page.get_by_role("slider").all()
+        speed, time = page.get_by_role("slider").all()
         speed.press("Home")
         waits_for(page, "speed", "c = 0.0")
         assert page.locator("[data-bars]").inner_text() != before
@@ -99,8 +99,9 @@ def test_numbers_keep_the_point_that_is_typed_and_no_control_moves(chromium):
         page.set_viewport_size(TALL)
         page.get_by_role("tab", name="Change").click()
         pick(page, "move", "end of the motion")
+        pick(page, "limit", "left: all torques")
         row(page, "about z [°]").wait_for()
-        for label, number in (("time [s]", "0.15"), ("speed c", "1.5"), ("left torques [%]", "87.5")):
+        for label, number in (("time [s]", "0.15"), ("speed c", "1.5"), ("of that limit [%]", "87.5")):
             slider = row(page, label)
             flex = slider.locator("xpath=ancestor::div[contains(@class, 'mantine-Flex-root')][1]")
             field = flex.locator("input").last
@@ -114,7 +115,7 @@ def test_numbers_keep_the_point_that_is_typed_and_no_control_moves(chromium):
         for label, key, kind, words in (
             ("mass [kg]", "End", "speed", "1.972"),
             ("speed c", "End", "speed", "Outside"),
-            ("left torques [%]", "Home", "outcome", "infeasible"),
+            ("of that limit [%]", "Home", "outcome", "infeasible"),
             ("along y [mm]", "End", "outcome", "No motion"),
         ):
             row(page, label).press(key)

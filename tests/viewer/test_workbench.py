@@ -8,19 +8,17 @@ from threading import Event
 
 import numpy as np
 import pytest
+import yaml
 from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_given
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
 from mrts.collisions.bodies import tip_at_posture
-from mrts.motion.motion_file import sample_motion
-from mrts.plots.plot import Line
-from mrts.scaling.limit_use import used_shares
+from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.viewer import workbench
-from mrts.viewer.choices import Choices, Given, Place, moved_by, places
+from mrts.viewer.choices import Choices, Given, Place, changed_keys, moved_by, places
 from mrts.viewer.panel import held_html
 from mrts.viewer.player_state import still_motion
-from mrts.viewer.time_plots import time_panels
 from mrts.viewer.workbench import Workbench, find_answer
 
 SAME = 1e-9
@@ -85,23 +83,21 @@ def test_each_change_has_the_answer_of_the_changed_cell(spatial):
     assert upper(answer) == pytest.approx(fixed.range.upper.c2, rel=SAME)
 
 
-def test_a_motion_is_played_in_closed_loop_when_asked(planar):
-    """As `mrts.simulate` finds it, anew for another mass; a plot has its shares along the time of the plan."""
-    bench = Workbench(planar)
-    answered(bench)
-    assert bench.answer.simulation is None
-    for mass in (None, 2.0):
-        bench.edit(Choices(mass=mass, simulated=True))
-        answer = answered(bench)
-        found = mrts.simulate(answer.state.trajectory)
-        assert answer.simulation.passed[0].share == found.passed[0].share
-        panel = time_panels(answer.state.played, answer.simulation)["In closed loop"]
-        lines = [item for item in panel.items if isinstance(item, Line)]
-        during = found.played.time <= found.plan.duration
-        most = np.max(used_shares(found.played)[1][during])
-        assert max(np.max(line.y) for line in lines) == pytest.approx(100 * most)
-    bench.edit(Choices(simulated=False))
-    assert answered(bench).simulation is None
+def test_the_keys_of_what_was_changed_are_those_of_the_files(spatial):
+    """Read as YAML and put into the cell and the motion, they give the answer of the workbench."""
+    base, end = Place("base", "left"), Place("end")
+    choices = Choices(mass=9.5).with_limit(("torque", "left", "elbow"), 0.5)
+    choices = choices.with_pose(end, moved_by(end.given(spatial), np.array([0, 0, 0.05]), np.zeros(3)))
+    choices = choices.with_pose(base, moved_by(base.given(spatial), np.array([0.02, 0, 0]), np.array([0, 0, 0.1])))
+    keys = dict(yaml.safe_load(line).popitem() for line in changed_keys(spatial, choices))
+    ends = {"end": keys.pop("end")}
+    assert keys.keys() == {"object.mass", "robots.left.torque", "robots.left.base"}
+    motion = sample_motion(
+        MotionDescription(**{key: value for key, value in spatial.description if value is not None} | ends)
+    )
+    found = mrts.scale(spatial.cell.with_values(keys), motion)
+    assert upper(changed(spatial, choices)) == pytest.approx(found.range.upper.c2, rel=SAME)
+    assert changed_keys(spatial, Choices()) == []
 
 
 def test_the_newest_of_many_changes_is_answered(planar):

@@ -50,9 +50,9 @@ def spatial_given(cell):
     return Given(cell, mrts.load_motion(path), described_motion(path))
 
 
-def planar_given(cell, **files):
+def planar_given(cell):
     """Of the planar cell and its lift."""
-    return Given(cell, mrts.load_motion(DATA / "lift.yaml"), described_motion(DATA / "lift.yaml"), **files)
+    return Given(cell, mrts.load_motion(DATA / "lift.yaml"), described_motion(DATA / "lift.yaml"))
 
 
 def news_of(bench, *, until=lambda _one: False):
