@@ -109,7 +109,7 @@ def _name(folder: Path) -> str:
 
 def _tell_arms(request: "Request") -> None:
     from mrts.cell.remarks import joint_assumptions
-    from mrts.starting.cell_check import joint_table
+    from mrts.starting.check import joint_table
 
     alike: dict[tuple[str, str], list[Arm]] = {}
     for arm in request.arms:  # two of a kind are told under the name of the first
@@ -148,7 +148,10 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     for remark in proposal.result.warnings:
         say(str(remark), "note")
     for remark in proposal.collisions:
-        say(remark.text, "note")
+        if remark.severity == "hint":  # no layout that was tried keeps everything apart
+            warn(remark.text)
+        else:
+            say(remark.text, "note")
     say("\nLook at it, ask how fast it may be played, then put your own numbers in:")
     files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"
     say(f"  mrts view {files}")

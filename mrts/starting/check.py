@@ -1,37 +1,211 @@
 # SPDX-License-Identifier: MIT
-"""Everything that is wrong with a cell and a motion, or with a URDF by itself, at once."""
+"""Everything that is wrong with a cell and a motion, or with a URDF by itself, at once; how far each arm follows."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Literal
+
+import numpy as np
 
 from mrts.base.argument_types import Progress, as_path, check_callable
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import JsonOutput
 from mrts.base.errors import InputError, Mistakes, MotionError
-from mrts.base.remark import Remark
+from mrts.base.formats.record import dumped
+from mrts.base.printable import printable
+from mrts.base.remark import Remark, Severity
+from mrts.base.words import aligned
 from mrts.cell.cell import Cell, uncompiled_cell
 from mrts.cell.generation import arm_of_urdf, is_generated, read_urdf, read_without_generating
 from mrts.cell.remarks import (
     COLLISIONS_UNKNOWN,
+    friction_sources,
     joint_assumptions,
     missing_masses,
+    torque_source,
     urdf_remarks,
 )
-from mrts.collisions.clearance import clearance_remarks
+from mrts.cell.robot import JOINT_HEAD, Robot
+from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.following.coordinate import coordinate
-from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
+from mrts.following.coordinated_motion import CoordinatedMotion, check_motion, follow_object
+from mrts.following.tracking import branches_at_start, follow_from
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.starting.arm import Arm, plane_of
-from mrts.starting.arm_reach import reach_of
-from mrts.starting.cell_check import CellCheck, is_urdf
 from mrts.starting.request import check_movable
 from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
+CheckStatus = Literal["fine", "impossible", "wrong-input"]
+"""What came of a check: "impossible" is a motion that an arm does not follow from its posture."""
+
+URDF_ENDINGS = (".urdf", ".xacro", ".xml")
+
+
 OBJECTS = (Mapping, ObjectMotion, JointTable, CoordinatedMotion)
 """Of a motion that is no file."""
+
+MOST_TRACKS = 16
+"""Ways to hold the grasp that are followed, nearest to the posture first: an arm of six joints has no more."""
+
+STARTS = 48
+"""Random ones of an arm: ways that few of them lead to are not near any posture."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmReach:
+    """How far one arm follows the motion.
+
+    Attributes:
+        robot: Its name.
+        samples: Of the motion.
+        followed: Samples that it follows: of all ways to hold the grasp at t = 0, the one that goes furthest.
+        failure: Why it does not follow from its posture; empty if it does.
+        ways: Number of ways to hold the grasp at t = 0 that were followed.
+        posture: The one nearest to its own from which it follows; None where there is none, or where it is its own.
+        furthest: Why the way that goes furthest ends; empty where there is none, or one leads to the end.
+        nearest_limit: How near a joint comes to a position limit, which and when; empty if it does not follow.
+    """
+
+    robot: str
+    samples: int
+    followed: int
+    failure: str = ""
+    ways: int = 0
+    posture: Array | None = None
+    furthest: str = ""
+    nearest_limit: str = ""
+
+    @property
+    def follows(self) -> bool:
+        """Whether it does so from its posture."""
+        return not self.failure
+
+    def lines(self) -> Iterator[str]:
+        """What came of it, for people."""
+        if self.follows:
+            yield f"robot '{self.robot}' follows the whole motion: {self.nearest_limit}."
+            return
+        yield self.failure
+        if self.posture is not None:
+            shown = ", ".join(f"{value:.4f}" for value in self.posture)
+            yield f"  It follows from another posture: posture: [{shown}]"
+        elif self.ways:
+            ways = f"{self.ways} way{'s' if self.ways > 1 else ''} to hold the grasp at t = 0"
+            yield f"  Of {ways}, none leads to the end: {self.followed} of {self.samples} samples. {self.furthest}"
+        else:
+            yield "  No posture holds its grasp at t = 0."
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CellCheck(JsonOutput):
+    """What `mrts.check` found.
+
+    Attributes:
+        cell: The cell file, or the URDF; the name of a cell that was given itself.
+        motion: The motion's file, "motion" where it is none; None if none was given.
+        mistakes: All that breaks a rule, in both files and the URDFs.
+        robots: The arms, with their joints and limits; empty if something breaks a rule.
+        remarks: What to know of the cell and the motion, what is taken for granted included.
+        arms: How far every arm follows the motion of an object; empty where that is not asked or not known.
+        problem: Why the motion is impossible whatever the arms do, or as joints that are given; empty if it is not.
+        clearance: How near bodies come to each other; None where that is not known.
+    """
+
+    cell: Path
+    motion: Path | None = None
+    mistakes: tuple[InputError, ...] = ()
+    robots: tuple[Robot, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+    arms: tuple[ArmReach, ...] = ()
+    problem: str = ""
+    clearance: Clearance | None = None
+
+    @property
+    def hints(self) -> tuple[Remark, ...]:
+        """Likely mistakes among the remarks."""
+        return self._of("hint")
+
+    @property
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know before trusting an answer, among the remarks."""
+        return self._of("warning")
+
+    @property
+    def assumed(self) -> tuple[Remark, ...]:
+        """What is taken for granted, among the remarks."""
+        return self._of("assumption")
+
+    def _of(self, severity: Severity) -> tuple[Remark, ...]:
+        return tuple(remark for remark in self.remarks if remark.severity == severity)
+
+    @property
+    def status(self) -> CheckStatus:
+        """What came of it."""
+        if self.mistakes:
+            return "wrong-input"
+        return "impossible" if self.problem or not all(arm.follows for arm in self.arms) else "fine"
+
+    def __repr__(self) -> str:
+        return printable("\n".join(self.lines()), lines=True)
+
+    def lines(self) -> Iterator[str]:
+        """The answer for people, the outcome first."""
+        yield self.outcome()
+        for number, mistake in enumerate(self.mistakes, start=1):
+            yield f"  {number}. {mistake}"
+        yield from map(str, (*self.hints, *self.warnings))
+        if self.problem:
+            yield f"  {self.problem}"
+        if self.arms:
+            yield ""
+            for arm in self.arms:
+                yield from arm.lines()
+        if self.robots:
+            yield ""
+            yield from joint_table(self.robots)
+        if self.assumed:
+            yield ""
+            yield "assumed:"
+            yield from (f"  {remark.text}" for remark in self.assumed)
+        if self.status == "fine" and self.cell.is_file():
+            yield ""
+            file, motion = shlex.quote(str(self.cell)), shlex.quote(str(self.motion or "MOTION"))
+            yield f"next: mrts new DIR --robot {file}" if is_urdf(self.cell) else f"next: mrts scale {file} {motion}"
+
+    def outcome(self) -> str:
+        """What came of it, in a line."""
+        if self.mistakes:
+            count = len(self.mistakes)
+            return f"{count} mistake{'s' if count > 1 else ''} in the files:"
+        if self.status == "impossible":
+            lost = [arm.robot for arm in self.arms if not arm.follows]
+            who = f" {', '.join(lost)} do{'es' if len(lost) == 1 else ''} not follow it" if lost else ""
+            return f"{self.cell.name}: the files are sound, but the motion is impossible{':' if who else ''}{who}"
+        sound = "the URDF is sound" if is_urdf(self.cell) else "the files are sound"
+        return f"{self.cell.name}: {sound}{', and the arms follow the motion' * (self.motion is not None)}"
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it as values of JSON."""
+        return {
+            "status": self.status,
+            "cell": str(self.cell),
+            "motion": None if self.motion is None else str(self.motion),
+            "mistakes": [
+                {"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)}
+                for each in self.mistakes
+            ],
+            "hints": [remark.to_json() for remark in self.hints],
+            "problem": self.problem or None,
+            "arms": [dumped(arm) | {"follows": arm.follows} for arm in self.arms],
+            "clearance": self.clearance and self.clearance.to_json(),
+            "assumed": [remark.to_json() for remark in self.assumed],
+            "warnings": [remark.to_json() for remark in self.warnings],
+        }
 
 
 def check(
@@ -143,3 +317,54 @@ def _urdf_hints(arm: Arm) -> Iterator[Remark]:
     except InputError as error:
         if error.rule not in {hint.text for hint in likely}:
             yield Remark.hint("cannot-hold", f"{arm.robot.source.tip_link}: {error.rule}")
+
+
+def reach_of(arm: Cell, motion: ObjectMotion) -> ArmReach:
+    """How far an arm follows the object, and from which posture it does where it does not from its own."""
+    (robot,), count = arm.robots, len(motion.time)
+    try:
+        near = _nearest_limit(robot, follow_object(arm, motion))
+        return ArmReach(robot=robot.name, samples=count, followed=count, nearest_limit=near)
+    except MotionError as error:
+        failure = str(error)
+    starts = branches_at_start(arm, 0, motion, STARTS)
+    nearest = np.argsort(np.max(np.abs(starts - robot.posture), axis=1), kind="stable")
+    starts = starts[nearest][:MOST_TRACKS]
+    tracks = follow_from(arm, motion, starts) if len(starts) else None
+    ends = [] if tracks is None else [tracks.of_arm(way, 0) for way in range(len(starts))]
+    last = max((end for end in ends if end is not None), key=lambda end: end.sample, default=None)
+    leads = None in ends
+    return ArmReach(
+        robot=robot.name,
+        samples=count,
+        followed=count if leads else 0 if last is None else last.sample,
+        failure=failure,
+        ways=len(starts),
+        posture=starts[ends.index(None)] if leads else None,
+        furthest="" if leads or last is None else last.message,
+    )
+
+
+def _nearest_limit(robot: Robot, motion: CoordinatedMotion) -> str:
+    room = np.minimum(motion.q - robot.position_lower, robot.position_upper - motion.q)
+    sample, joint = np.unravel_index(int(np.argmin(room)), room.shape)
+    if np.isinf(room[sample, joint]):
+        return "no joint has a position limit"
+    left, unit, time = room[sample, joint], robot.position_units[joint], motion.object.time[sample]
+    return f"{left:.3g} {unit} from the limit of '{robot.joints[joint]}' at t = {time:.3g} s"
+
+
+def is_urdf(path: Path) -> bool:
+    """Whether a file is a URDF, by its name."""
+    return path.suffix.lower() in URDF_ENDINGS
+
+
+def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
+    """What is known of every joint, as aligned lines."""
+    rows: list[tuple[str, ...]] = [("arm", "joint", *JOINT_HEAD, "torque from", "friction", "armature")]
+    for robot in robots:
+        armature = ["none given" if inertia == 0 else f"{inertia:.4g}" for inertia in robot.motors.armature]
+        sources = zip(friction_sources(robot), armature, strict=True)
+        known = zip(robot.joint_rows(), sources, strict=True)
+        rows += [(robot.name, *joint, torque_source(robot), *motor) for joint, motor in known]
+    yield from aligned(rows)

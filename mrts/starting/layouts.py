@@ -7,11 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
-from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors, snap_rotation
-from mrts.starting.arm import Arm, twist_rows
-from mrts.starting.postures import ROUNDING, Stand, Wanted, find_stands
+from mrts.base.rigid_transform import (
+    RigidTransform,
+    plane_normal,
+    rotations_from_vectors,
+    snap_rotation,
+    vectors_from_rotations,
+)
+from mrts.starting.arm import Arm, ArmState, twist_rows
 from mrts.starting.request import LIFT, Request
 
 FLATNESS = (1.0, 0.6, 0.5)
@@ -32,6 +37,67 @@ METRES = 3
 
 STEEPEST = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
+
+
+SAMPLES = 4000
+
+SETTLED_SAMPLES = 600
+"""Of these, the ones whose hands stand nearest to a wanted direction are moved to it."""
+
+SEED = 19
+
+SETTLING_STEPS = 40
+LIFTING_STEPS = 8
+LIFT_SAMPLES = 5
+
+LONGEST_STEP = 0.3
+"""Of a joint in one step [rad or m]."""
+
+LEAST_DAMPING = 1e-9
+"""Keeps the normal equations regular where an arm is singular; far below the squares of singular values that pass."""
+
+REACHED = 1e-6
+"""Error of a pose that counts as reached [m, rad]: what is written is only where the search of the motion starts."""
+
+ROUNDING = 1e-9
+"""Entries of rotations this near to 0 and ±1 are those."""
+
+DECIMALS = 6
+"""Of places of hands [m]."""
+
+EDGE = 0.1
+"""Share of a joint's range at either end from which no posture is drawn."""
+
+FREE_TURN = np.pi
+"""A joint without limits, or with wider ones, is drawn from this far to either side of its middle [rad]."""
+
+FREE_SLIDE = 0.5
+
+EASY_MARGIN, EASY_CONDITION = 0.25, 0.15
+"""Share of a joint's range to its limit, and inverse condition number, beyond which more is hardly worth anything."""
+
+NEAREST, FARTHEST = 0.3, 0.75
+"""Distance from the first joint's axis to the hand, as a share of the reach, outside of which a posture is cramped."""
+
+BELOW_BASE = 0.05
+"""How far a joint may stand below the base, as a share of the reach: the floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """Where an arm stands, and how it holds something in a wanted place.
+
+    Attributes:
+        T_world_base: Of its base link.
+        T_world_tip: Of its hand at the start.
+        posture: Shape (n,) [rad or m].
+        score: From 0 to 1; the larger, the farther from all limits along the lift.
+    """
+
+    T_world_base: RigidTransform
+    T_world_tip: RigidTransform
+    posture: Array
+    score: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +172,9 @@ def _between(request: Request, bases: Sequence[RigidTransform], lift: Array, for
     forward = np.cross(request.up, (out[-1] - out[0]) / 2) * (pair and not proposed)
     found = []
     for arm, T, direction in zip(request.arms, bases, out, strict=True):
-        facings, kinds = _directions(request, direction, forward)
+        facings = _directions(request, direction, forward)
         start = middle + request.width / 2 * direction
-        found.append(find_stands(arm, _wanted(request, arm, facings, kinds, lift, force, T, start, forward)))
+        found.append(_stands(request, arm, T, facings, start, forward, lift, force))
     made = []
     for key in set.intersection(*({*each} for each in found)):
         if request.one_machine and np.any(forward) and (key[1] < 1 or key[0] % 2):
@@ -144,52 +210,59 @@ def _middle(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, A
     raise InputError("--base", "two arms stand in one place; one object must fit between them.")
 
 
-def _directions(request: Request, out: Array, forward: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Where a hand may point, and the kind of each: twice its place in `DIRECTIONS`, and one more for backward."""
+def _directions(request: Request, out: Array, forward: Array) -> list[tuple[int, Array]]:
+    """Where a hand may point after the kind of each: twice its place in `DIRECTIONS`, and one more for backward."""
     down = -request.up
     ahead = [(0, -out), (2, down - out), (8, down)]
     if np.any(forward):
         ahead += [(4, forward - out), (5, -forward - out), (6, forward), (7, -forward)]
-    facings = np.array([direction / np.linalg.norm(direction) for _, direction in ahead])
-    return facings, np.array([kind for kind, _ in ahead])
+    return [(kind, direction / np.linalg.norm(direction)) for kind, direction in ahead]
 
 
-def _wanted(
+def _stands(
     request: Request,
     arm: Arm,
-    facings: Array,
-    kinds: NDArray[np.intp],
-    lift: Array,
-    force: Array,
     T: RigidTransform,
+    facings: Sequence[tuple[int, Array]],
     start: Array,
     forward: Array,
-) -> Wanted:
-    """What one arm with its base at T is asked, in its base frame.
+    lift: Array,
+    force: Array,
+) -> dict[tuple[int, ...], Stand]:
+    """The best posture of an arm with its base at T, by kind of direction and steps of the grid forward and up.
 
-    `start` is where its hand would be with the object in the middle.
+    Steps begin where the hand would be with the object in the middle, `start`; all vectors are in world axes.
     """
-    rotations, pointing, kind = [], [], []
-    for facing, of_kind in zip(facings, kinds, strict=True):
-        turns = _rolls(request, arm, T.R.T @ facing, T.R.T @ request.up)
-        rotations += turns
-        pointing += [T.R.T @ facing] * len(turns)
-        kind += [of_kind] * len(turns)
-
-    return Wanted(
-        T_world_base=T,
-        rotations=np.array(rotations),
-        facing=np.array(pointing),
-        kinds=np.array(kind),
-        start=start,
-        axes=np.array([forward, request.up]),
-        grid=request.grid,
-        rows=twist_rows(request.plane),
-        gravity=T.R.T @ request.gravity,
-        force=T.R.T @ force,
-        lift=T.R.T @ lift,
-        stands=not request.one_machine,
-    )
+    up, gravity = T.R.T @ request.up, T.R.T @ request.gravity
+    ways = [(kind, T.R.T @ facing) for kind, facing in facings]
+    turns = [(kind, facing, R) for kind, facing in ways for R in _rolls(request, arm, facing, up)]
+    rotations, rows = np.array([R for _, _, R in turns]), twist_rows(request.plane)
+    q = drawn_postures(arm)
+    state = arm.at(q)
+    nearness = np.einsum("nij,kij->nk", state.R, rotations)  # the trace of Rᵀ R_k: 1 + 2 cos of the angle
+    chosen = np.argsort(-np.max(nearness, axis=1), kind="stable")[:SETTLED_SAMPLES]
+    q, turn = q[chosen], np.argmax(nearness[chosen], axis=1)
+    R, facing = rotations[turn], np.array([facing for _, facing, _ in turns])[turn]
+    axes = np.array([forward, request.up])
+    steps = np.round((state.p[chosen] @ T.R.T + T.p - start) @ axes.T / request.grid)
+    p = (start + request.grid * steps @ axes - T.p) @ T.R
+    q, near = _settle(arm, q, R, p, rows, SETTLING_STEPS)
+    score, effort = np.where(near, 1.0, 0.0), np.zeros(len(q))
+    along = q
+    for step in np.linspace(0, 1, LIFT_SAMPLES):
+        along, near = _settle(arm, along, R, p + step * (T.R.T @ lift), rows, LIFTING_STEPS)
+        state = arm.at(along)
+        limited = np.max(np.abs(arm.torque(state, gravity, T.R.T @ force)) / arm.robot.torque_upper, axis=1)
+        effort = np.maximum(effort, limited)
+        score = np.minimum(score, near * _ease(request, arm, along, state, facing, gravity))
+    score = score * np.clip(1.2 - effort, 0, 1)
+    found: dict[tuple[int, ...], Stand] = {}
+    for at in np.argsort(-score, kind="stable"):
+        key = (turns[turn[at]][0], *map(int, steps[at]))
+        if score[at] > 0 and key not in found:
+            tip = RigidTransform(snap_rotation(T.R @ R[at], within=ROUNDING), np.round(T.p + T.R @ p[at], DECIMALS))
+            found[key] = Stand(T, tip, q[at], float(score[at]))
+    return found
 
 
 def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
@@ -206,3 +279,71 @@ def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
     side = side / np.linalg.norm(side)
     sides = (side, np.cross(facing, side), -side, -np.cross(facing, side))
     return [np.stack([facing, axis, np.cross(facing, axis)], axis=1) @ own.T for axis in sides]
+
+
+def _settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) -> tuple[Array, NDArray[np.bool_]]:
+    """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits.
+
+    Of all drawn postures at once, and before there is a cell with compiled kinematics to track.
+    """
+    q = q.copy()
+    for _ in range(steps):
+        state = arm.at(q)
+        error, J = _error(state, R, p)[:, rows], state.jacobian[:, rows]
+        damping = LEAST_DAMPING + 0.5 * np.sum(error**2, axis=1)
+        square = J @ J.transpose(0, 2, 1) + damping[:, None, None] * np.eye(J.shape[1])
+        step = apply(J.transpose(0, 2, 1), np.linalg.solve(square, error[:, :, None])[:, :, 0])
+        q += step * LONGEST_STEP / np.max(np.abs(step), axis=1, keepdims=True, initial=LONGEST_STEP)
+    near = np.max(np.abs(_error(arm.at(q), R, p)[:, rows]), axis=1) <= REACHED
+    q = _unwound(arm, q)
+    inside = np.all((q >= arm.robot.position_lower) & (q <= arm.robot.position_upper), axis=1)
+    return q, near & inside
+
+
+def _error(state: ArmState, R: Array, p: Array) -> Array:
+    return np.concatenate([p - state.p, vectors_from_rotations(R @ state.R.transpose(0, 2, 1))], axis=1)
+
+
+def _unwound(arm: Arm, q: Array) -> Array:
+    """The same positions of turning joints, as near to the middle as whole turns bring them."""
+    turns = arm.robot.turns
+    middle = arm.middle()
+    return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
+
+
+def _half_range(arm: Arm) -> Array:
+    free = np.where(arm.robot.turns, FREE_TURN, FREE_SLIDE)
+    span = arm.robot.position_upper - arm.robot.position_lower
+    half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)
+    return half
+
+
+def drawn_postures(arm: Arm) -> Array:
+    """Random postures, the same for the same arm, Shape (SAMPLES, n) [rad or m]."""
+    shares = np.random.default_rng(SEED).uniform(-1, 1, (SAMPLES, len(arm.robot.joints)))
+    drawn: Array = arm.middle() + (1 - EDGE) * shares * _half_range(arm)
+    return drawn
+
+
+def _ease(request: Request, arm: Arm, q: Array, state: ArmState, facing: Array, gravity: Array) -> Array:
+    """How far from limits and singularities arms are, from 0 to 1, Shape (N,)."""
+    to_limit = np.minimum(q - arm.robot.position_lower, arm.robot.position_upper - q) / _half_range(arm)
+    margin = np.min(to_limit, axis=1, initial=1.0)
+    rows = twist_rows(request.plane)
+    scale = np.array([1 / arm.reach] * 3 + [1.0] * 3)[rows]
+    values = np.linalg.svd(scale[:, None] * state.jacobian[:, rows], compute_uv=False)
+    condition = values[:, -1] / values[:, 0]
+    up = -gravity / max(float(np.linalg.norm(gravity)), 1.0)
+    level = facing - np.outer(facing @ up, up)
+    from_base = state.p - state.points[:, 0]
+    away = from_base - np.outer(from_base @ up, up)
+    distance = np.linalg.norm(away, axis=1) / arm.reach
+    cramped = np.clip(distance / NEAREST, 0.1, 1) * np.clip((1 - distance) / (1 - FARTHEST), 0.1, 1)
+    ease = np.clip(margin / EASY_MARGIN, 0, 1) ** 0.5 * np.clip(condition / EASY_CONDITION, 0, 1) ** 0.5 * cramped
+    beyond = np.einsum("nki,ni->nk", state.points - state.p[:, None], facing)
+    ease *= np.where(np.max(beyond, axis=1) > NEAREST * EDGE * arm.reach, 0.3, 1.0)  # a link where the object is
+    if not request.one_machine:
+        outward = np.einsum("ni,ni->n", away, level) / np.maximum(np.linalg.norm(away, axis=1), EDGE * arm.reach)
+        ease *= np.clip(outward, 0.1, 1)
+        ease *= np.where(np.min(state.points @ up, axis=1) < -BELOW_BASE * arm.reach, 0.3, 1.0)
+    return np.asarray(ease, dtype=np.float64)

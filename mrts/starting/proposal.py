@@ -19,8 +19,7 @@ from mrts.program.between_samples import BETWEEN
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.starting.arm import Arm
-from mrts.starting.layouts import Layout, layouts
-from mrts.starting.postures import Stand, drawn_postures
+from mrts.starting.layouts import Layout, Stand, drawn_postures, layouts
 from mrts.starting.request import Request
 
 LOAD_SHARE = 0.1

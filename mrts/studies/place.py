@@ -4,8 +4,8 @@
 What a program promises counts only as far as `scale` then says that the cell does it.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,13 @@ import numpy as np
 from scipy.optimize import OptimizeResult, linprog
 from scipy.sparse import block_diag, csr_array, hstack
 
-from mrts.base.argument_types import Progress, check_callable, check_type
+from mrts.base.argument_types import Progress, as_path, check_callable, check_type
 from mrts.base.arrays import Array, apply
+from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError, MotionError, MrtsError, SolverError
 from mrts.base.held_interrupt import held_interrupt
+from mrts.base.printable import printable
+from mrts.base.remark import Remark
 from mrts.cell.number_paths import value_at
 from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
@@ -24,9 +27,8 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.program.between_samples import BETWEEN, checked_tolerance
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import ScalingResult, kept_text
 from mrts.scaling.scale import scale
-from mrts.studies.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.studies.sampling import Distribution, sample_points
 from mrts.studies.study import Study, read_study
 
@@ -40,6 +42,9 @@ MAX_LAYOUTS = 100_000
 """That may be: an hour of looking."""
 
 SEED = 17
+
+NO_GAIN = 1e-9
+"""Share of c²⁺ that is no reason to move an arm: rounding."""
 
 DIGITS = 5
 """Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
@@ -77,7 +82,134 @@ NOT_A_LAYOUT = (
 )
 
 
-BestChange = Callable[[Array, Array], tuple[Array, float, Array]]
+@dataclass(frozen=True, eq=False, repr=False)
+class PlayedLayout:
+    """One layout and what the cell does in it.
+
+    Attributes:
+        keys: Keys and values of its cell file.
+        values: Of the numbers of the study, Shape (P,): those of the cell file, where no values give that, the nearest.
+        result: What `mrts.scale` finds, between the samples too.
+        postures: By robot, where they are not the study's [rad or m]; None where they are.
+        collisions: What is to say of them.
+    """
+
+    keys: dict[str, Any]
+    values: Array
+    result: ScalingResult
+    postures: dict[str, list[float]] | None = None
+    collisions: tuple[Remark, ...] = ()
+
+    @property
+    def c2(self) -> float:
+        """c²⁺; infinity if nothing limits it."""
+        return self.result.range.c2_upper
+
+    @property
+    def duration(self) -> float:
+        """Of the motion at the fastest constant factor [s]; 0 if nothing limits it."""
+        return float(self.result.motion.object.time[-1] / np.sqrt(self.c2))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Placement:
+    """The best layout of a study.
+
+    Attributes:
+        study: The study.
+        before: The layout of the cell file; None if it cannot be played.
+        after: The best layout within the bounds; None if none that was looked at can be played.
+        reason: Why a layout that was looked at cannot be played; empty if all can.
+        interrupted: Whether Ctrl-C ended the search early.
+    """
+
+    study: Study
+    before: PlayedLayout | None
+    after: PlayedLayout | None
+    reason: str
+    interrupted: bool
+
+    def __repr__(self) -> str:
+        return f"<Placement: {self.sentence()}>"
+
+    @property
+    def gain(self) -> float:
+        """Share by which c²⁺ grew; nan where there is no before or after, or nothing limits both."""
+        if self.before is None or self.after is None or np.isinf(self.before.c2):
+            return float("nan")
+        return self.after.c2 / self.before.c2 - 1
+
+    def sentence(self) -> str:
+        """The outcome."""
+        after, before = self.after, self.before
+        name = f"{self.study.cell['name']}: {kept_text(self.study.question.reserve or 0)}".rstrip()
+        if after is None:
+            return f"{name} no layout that was looked at can be played. {self.reason}"
+        if before is None:
+            return (
+                f"{name} c² up to {after.c2:.4g}, {after.duration:.4g} s; the layout of the cell file cannot be played"
+            )
+        if after.c2 <= before.c2 * (1 + NO_GAIN):
+            return f"{name} no layout was found that is better than that of the cell file, c² up to {before.c2:.4g}"
+        return (
+            f"{name} c² up to {after.c2:.4g} instead of {before.c2:.4g} ({100 * self.gain:+.1f} %), "
+            f"{after.duration:.4g} s instead of {before.duration:.4g} s"
+        )
+
+    def lines(self) -> Iterator[str]:
+        """What the command line says: the outcome, what binds, and what moved."""
+        yield self.sentence()
+        after, before = self.after, self.before
+        if after is None:
+            return
+        for word, layout in (("limited", after), ("before", before)):
+            end = None if layout is None else layout.result.range.upper
+            if end is not None and end.time is not None:
+                yield f"{word} {end.place()}"
+        yield ""
+        rows = self.moved()
+        width = max(len(path) for path, *_ in rows)
+        yield f"{'what may move':<{width}} {'before':>12} {'after':>12}"
+        for path, unit, was, value in rows:
+            now = "stays" if value == was else f"{value:.6g}"
+            yield f"{path:<{width}} {was:>12.6g} {now:>12} {unit}".rstrip()
+        yield ""
+        yield from (remark.text for remark in after.collisions)
+
+    def moved(self) -> list[tuple[str, str, float, float]]:
+        """Path, unit, value before and after of each number that the study sets, and of postures that followed."""
+        assert self.after is not None  # noqa: S101 (asked for of an answer only)
+        ours, theirs = ({"cell": keys} for keys in (self.study.cell, self.after.keys))
+        targets = [target for parameter in self.study.parameters for target in parameter.targets]
+        moved = [
+            (target.path, target.unit, float(value_at(ours, target.keys)), float(value_at(theirs, target.keys)))
+            for target in targets
+        ]
+        named = {path for path, *_ in moved}
+        for own, new in zip(self.study.cell["robots"], self.after.keys["robots"], strict=True):
+            for joint, pair in enumerate(zip(own["posture"], new["posture"], strict=True)):
+                path = f"robots.{own['name']}.posture[{joint}]"
+                if path not in named and pair[0] != pair[1]:
+                    moved.append((path, "", *pair))
+        return moved
+
+    def write(self, path: Path | str) -> None:
+        """Write the cell file of the best layout, whole or not at all; comments of the study's own are not in it.
+
+        Args:
+            path: The file.
+
+        Raises:
+            InputError: If there is no such layout, or the file cannot be written.
+        """
+        path = as_path("path", path)
+        if self.after is None:
+            raise InputError(path, "there is no layout to write: none within the bounds can be played.")
+        heading = f"# The layout that mrts place found of {printable(self.study.path.name)}\n"
+        write_text_atomically(path, heading + self.study.cell_text(self.after.keys, path.absolute().parent))
+
+
+BestChange = Callable[[Array, Array], tuple[Array, float]]
 """Of a program: see `layout_program`."""
 
 
@@ -98,9 +230,8 @@ def layout_program(
         c2: c²⁺ here.
 
     Returns:
-        What gives, between bounds of each number, Shape (P,), the best change, c²⁺ that the program has there, and its
-        slope ∂ ln c²⁺/∂θ by its multipliers, each Shape (P,): of several rows that bind alike, those are weighed so
-        that it vanishes for what is at no bound.
+        What gives, between bounds of each number, Shape (P,), the best change, Shape (P,), and c²⁺ that the program has
+        there.
 
     Raises:
         SolverError: If HiGHS does not solve it, also by what it gives.
@@ -134,9 +265,9 @@ def layout_program(
 
     by_layout = np.stack([beyond(problems) - beyond(here) for problems in beside], axis=1) / steps
 
-    def best_change(lower: Array, upper: Array) -> tuple[Array, float, Array]:
+    def best_change(lower: Array, upper: Array) -> tuple[Array, float]:
         found = solved(by_layout, np.stack([lower, upper], axis=1))
-        return found.x[-len(lower) :], float(found.x[0]), found.ineqlin.marginals @ by_layout / c2
+        return found.x[-len(lower) :], float(found.x[0])
 
     return best_change
 
@@ -163,9 +294,9 @@ def place(
     """Base poses, grasps and postures, within the bounds of a study, that give the largest c²⁺.
 
     The layouts looked at first are points of a Sobol sequence between the bounds, and the layout that the cell file
-    gives. From the best of them steps of linear programs (`layout_program`) lead to the nearest
-    local optimum; each counts only as `mrts.scale` confirms it, so the answer is never worse than the best start.
-    Layouts in which bodies collide (`mrts.clearance`) are no answer. Ctrl-C keeps the best so far.
+    gives. From the best of them steps of linear programs (`layout_program`) lead to the nearest local optimum; each
+    counts only as `mrts.scale` confirms it, so the answer is never worse than that of the cell file. Layouts in which
+    bodies collide (`mrts.clearance`) are no answer. Ctrl-C keeps the best so far.
 
     Args:
         study: The study, or its file; `vary` names numbers of base, grasp or posture, each `from` and `to`.
@@ -196,19 +327,17 @@ def place(
     search = LayoutSearch(study, tolerance)
     with held_interrupt() as pressed:
         search.over = lambda: bool(pressed)
-        counts = search.run(starts, looked_at, progress)
+        search.run(starts, looked_at, progress)
         interrupted = search.over()
         pressed.clear()
     progress(looked_at + starts, looked_at + starts)
-    after = search.best_played()
+    before = None if search.given is None else search.played(search.given)
     return Placement(
         study=search.study,
-        before=None if search.given is None else search.played(search.given),
-        after=after,
+        before=before,
+        after=search.best_played(),
         reason=search.failures[-1] if search.failures else "",
         interrupted=interrupted,
-        colliding=search.colliding,
-        **counts,
     )
 
 
@@ -218,7 +347,6 @@ class LayoutSearch:
     Attributes:
         given: What the cell can do as its file has it; None if it can do nothing.
         found: All layouts that can be played at the samples; why others cannot say `failures`.
-        colliding: How many were the fastest, but for a collision.
         over: Says whether to come to the end.
     """
 
@@ -232,34 +360,28 @@ class LayoutSearch:
         self.over: Callable[[], bool] = lambda: False
         self.found: list[PlayedLayout] = []
         self.failures: list[str] = []
-        self.colliding = 0
         self.machines = self.study.cell_of(self.study.cell).machines
         self.as_given, is_layout = _nearest_given(study)
         self.given = self._scaled(self.study.cell, self.as_given, None)
         if self.given is not None and is_layout:
             self.found.append(self.given)
 
-    def run(self, starts: int, looked_at: int, progress: Progress) -> dict[str, int]:
-        """Look at layouts, and search from the best; counts those looked at, those playable, and the searches."""
-        counts = {"looked_at": 0, "playable": 0, "searches": 0}
+    def run(self, starts: int, looked_at: int, progress: Progress) -> None:
+        """Look at layouts, and search from the best."""
         bounds = zip(self.lower, self.upper, strict=True)
         points = sample_points([Distribution("uniform", pair) for pair in bounds], "sobol", SEED, (0, looked_at))
-        for values in self._rounded(points):
+        for number, values in enumerate(self._rounded(points)):
             if self.over():
-                break
-            progress(counts["looked_at"], looked_at + starts)
-            counts["looked_at"] += 1
+                return
+            progress(number, looked_at + starts)
             tried = self.tried(values)
             if tried is not None:
-                counts["playable"] += 1
                 self.found.append(tried)
-        for start in sorted(self.found, key=lambda one: -one.c2)[:starts]:
+        for number, start in enumerate(sorted(self.found, key=lambda one: -one.c2)[:starts]):
             if self.over():
-                break
-            progress(looked_at + counts["searches"], looked_at + starts)
-            counts["searches"] += 1
+                return
+            progress(looked_at + number, looked_at + starts)
             self.improve(start)
-        return counts
 
     def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> PlayedLayout | None:
         """What the cell can do at values, Shape (P,), with postures in place of the study's; None if nothing."""
@@ -292,7 +414,7 @@ class LayoutSearch:
         except MrtsError as error:
             self.failures.append(str(error))
             return None
-        return PlayedLayout(keys, values, None, result, postures)
+        return PlayedLayout(keys, values, result, postures)
 
     def improve(self, start: PlayedLayout) -> None:
         """Search from a layout; what the cell can play on the way joins those that were found."""
@@ -304,11 +426,10 @@ class LayoutSearch:
             lower, upper = (np.clip(best.values + side, self.lower, self.upper) for side in (-far, far))
             try:
                 program = program or self.program(best)
-                change, promised, slope = program(lower - best.values, upper - best.values)
+                change, promised = program(lower - best.values, upper - best.values)
             except MrtsError as error:  # arms do not follow in a layout beside it, or no solver answers
                 self.failures.append(str(error))
                 break
-            best = replace(best, slope=slope)
             if promised < best.c2 * (1 + WORTH_A_STEP):
                 break
             reached = self._reached(best, self._rounded(best.values + change), promised)
@@ -354,10 +475,10 @@ class LayoutSearch:
         return reached
 
     def best_played(self) -> PlayedLayout | None:
-        """The best, and the best start, which might be better between the samples, less what moved for nothing."""
+        """The best that can be played between the samples too, less what moved for nothing; or that of the file."""
         best_first = sorted(self.found, key=lambda one: -one.c2)
-        groups = best_first, [one for one in best_first if one.slope is None]
-        played = (next(filter(None, (self._free(self._settled(one)) for one in group)), None) for group in groups)
+        groups = map(self._settled, best_first), [one for one in best_first if one is self.given]
+        played = (next(filter(None, map(self._free, group)), None) for group in groups)
         return max(filter(None, played), key=lambda layout: layout.c2, default=None)
 
     def _settled(self, best: PlayedLayout) -> PlayedLayout:
@@ -367,7 +488,7 @@ class LayoutSearch:
             if moved[place] != best.values[place]:
                 tried = self.tried(moved, best.postures)
                 if tried is not None and tried.c2 >= best.c2 * (1 - NO_GAIN):
-                    best = replace(tried, slope=best.slope)
+                    best = tried
         return best
 
     def _free(self, layout: PlayedLayout) -> PlayedLayout | None:
@@ -378,7 +499,6 @@ class LayoutSearch:
         near, said = clearance_remarks(played.result.cell, played.result.motion)
         if near is not None and near.collides:
             self.failures.append(near.sentence())
-            self.colliding += 1
             return None
         return replace(played, collisions=said)
 

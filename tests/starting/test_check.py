@@ -16,7 +16,7 @@ import mrts
 from mrts.base.errors import InputError
 from mrts.cell.cell import cell_to_compile
 from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
-from mrts.starting.cell_check import joint_table
+from mrts.starting.check import joint_table
 from mrts.starting.request import request_of
 
 SHIPPED = [
@@ -30,7 +30,7 @@ SHIPPED = [
 def test_what_is_shipped_is_fine_and_leads_to_no_hint(cell, motion):
     found = mrts.check(cell, motion)
     assert (found.status, found.mistakes, found.hints) == ("fine", (), ())
-    assert all(arm.follows and (arm.joint is None) == (arm.to_limit is None) for arm in found.arms)
+    assert all(arm.follows and arm.nearest_limit for arm in found.arms)
     assert "None" not in str(found)
 
 

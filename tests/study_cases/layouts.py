@@ -14,6 +14,9 @@ from mrts.studies.place import LayoutSearch
 
 DATA = Path(mrts.__file__).parent / "data"
 
+STEP = 1e-4
+"""To either side, by which the program of a step is asked [m, rad]: it is linear there but for kinks."""
+
 
 def write_study(folder: Path, cell: Path | dict[str, Any], motion: Path, vary: dict[str, Any], **keys: Any) -> Path:
     """A study file, and the cell file where its keys are given."""
@@ -57,5 +60,6 @@ class Layouts:
         search = LayoutSearch(self.study)
         layout = search.tried(values)
         assert layout is not None
-        fixed = np.zeros(len(values))
-        return search.program(layout)(fixed, fixed)[2]
+        program = search.program(layout)
+        promised = [[program(side * step, side * step)[1] for side in (1, -1)] for step in STEP * np.eye(len(values))]
+        return np.log(promised) @ [1, -1] / (2 * STEP)
