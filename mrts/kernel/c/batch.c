@@ -111,20 +111,23 @@ MRTS_EXPORT void mrts_interval_batch(long long count, int k, int rows, const dou
 /* A coefficient of u that is none: beside it all else would be infinite. */
 #define MRTS_NO_RATE 1e-200
 
-/* Half-planes over (u, x) as bounds start - slope x of u, and those without u as bounds of x. */
+/* Bounds start - slope x of u, from below and from above, and of x. */
 typedef struct {
-    int least_count, most_count; /* of bounds from below, from above */
-    double *least, *most;        /* start and slope of each, one after the other */
-    double low, high;            /* of x */
+    double *least, *least_end, *most, *most_end; /* start and slope of each, one after the other */
+    double low, high;
 } mrts_bounds;
 
 /* Adds n_u u + n_x x <= h. */
-static void mrts_add_bound(double u, double x, double h, mrts_bounds *bounds) {
-    if (MRTS_ABS(u) > MRTS_NO_RATE) {
-        const double per_u = 1 / u;
-        double *next = u > 0 ? bounds->most + 2 * bounds->most_count++ : bounds->least + 2 * bounds->least_count++;
-        next[0] = h * per_u;
-        next[1] = x * per_u;
+static inline void mrts_add_bound(double u, double x, double h, mrts_bounds *bounds) {
+    const double per_u = 1 / u;
+    if (u > MRTS_NO_RATE) {
+        bounds->most_end[0] = h * per_u;
+        bounds->most_end[1] = x * per_u;
+        bounds->most_end += 2;
+    } else if (u < -MRTS_NO_RATE) {
+        bounds->least_end[0] = h * per_u;
+        bounds->least_end[1] = x * per_u;
+        bounds->least_end += 2;
     } else if (x > 0) {
         if (h / x < bounds->high) bounds->high = h / x;
     } else if (x < 0) {
@@ -134,72 +137,82 @@ static void mrts_add_bound(double u, double x, double h, mrts_bounds *bounds) {
 
 /* The bounds of a segment over (u, x_i), x_i in [low, high]: those of its start, those of its end with x_(i+1) put in, and
  * the interval that x_(i+1) is to reach. `work` is for them all. */
-static mrts_bounds mrts_segment(double step, double rise, const double *left, int left_count, const double *right,
-                                int right_count, const double *reach, double low, double high, double *work) {
-    mrts_bounds bounds = {0, 0, work, work + 2 * (left_count + right_count + 2), low, high};
-    for (int end = 0; end < 2; ++end) {
-        const double *plane = end ? right : left;
-        const int count = end ? right_count : left_count;
-        for (int i = 0; i < count; ++i, plane += 3) {
-            mrts_add_bound(plane[0] + (end ? 2 * step * plane[1] : 0), plane[1],
-                           plane[2] + MRTS_ON_LIMIT * (1 + MRTS_ABS(plane[2])) + (end ? -0.5 : 0.5) * rise * plane[0], &bounds);
+static inline mrts_bounds mrts_segment(double step, double rise, const double *left, const double *right,
+                                       const double *right_end, const double *reach, double low, double high,
+                                       double *work) {
+    double *half = work + 2 * ((right_end - left) / 3 + 2);
+    mrts_bounds bounds = {work, work, half, half, low, high};
+    double ahead = 0, away = 0.5 * rise;
+    for (const double *plane = left; plane < right_end; plane += 3) {
+        if (plane == right) {
+            ahead = 2 * step;
+            away = -away;
         }
+        mrts_add_bound(plane[0] + ahead * plane[1], plane[1],
+                       plane[2] + MRTS_ON_LIMIT * (1 + MRTS_ABS(plane[2])) + away * plane[0], &bounds);
     }
     mrts_add_bound(-2 * step, -1, -reach[0], &bounds);
     mrts_add_bound(2 * step, 1, reach[1], &bounds);
     return bounds;
 }
 
-/* The interval of u at one x; its ends are on the lines start - slope x. */
+/* The interval of u at one x, and the bounds that its ends are on. */
 typedef struct {
-    double least, least_start, least_slope, most, most_start, most_slope;
+    double least, most;
+    const double *least_bound, *most_bound;
 } mrts_rates;
 
 /* The interval of u that bounds leave at one x. */
-static mrts_rates mrts_rates_at(const mrts_bounds *bounds, double x) {
-    mrts_rates u = {-MRTS_INFINITY, -MRTS_INFINITY, 0, MRTS_INFINITY, MRTS_INFINITY, 0};
-    for (const double *line = bounds->most; line < bounds->most + 2 * bounds->most_count; line += 2) {
-        const double value = line[0] - line[1] * x;
+static inline mrts_rates mrts_rates_at(const mrts_bounds *bounds, double x) {
+    mrts_rates u = {-MRTS_INFINITY, MRTS_INFINITY, 0, 0};
+    for (const double *bound = bounds->most; bound < bounds->most_end; bound += 2) {
+        const double value = bound[0] - bound[1] * x;
         if (value >= u.most) continue;
         u.most = value;
-        u.most_start = line[0];
-        u.most_slope = line[1];
+        u.most_bound = bound;
     }
-    for (const double *line = bounds->least; line < bounds->least + 2 * bounds->least_count; line += 2) {
-        const double value = line[0] - line[1] * x;
+    for (const double *bound = bounds->least; bound < bounds->least_end; bound += 2) {
+        const double value = bound[0] - bound[1] * x;
         if (value <= u.least) continue;
         u.least = value;
-        u.least_start = line[0];
-        u.least_slope = line[1];
+        u.least_bound = bound;
     }
     return u;
 }
 
 /* The x nearest to `from` on the way to `to` that leaves some u: the interval's length is concave in x, so Newton's method
- * from outside ends at the exact line after finitely many steps. Returns 0 if there is none. */
-static int mrts_nearest(const mrts_bounds *bounds, double from, double to, double *x) {
+ * from outside ends at the exact line after finitely many steps. Returns 0 if there is none. `meet` are places of the two
+ * bounds that met there on a segment before, or -1: where they meet now is outside too, and near. */
+static int mrts_nearest(const mrts_bounds *bounds, double from, double to, long long *meet, double *x) {
     const double inward = to >= from ? 1 : -1;
+    const double *least = bounds->least + 2 * meet[0], *most = bounds->most + 2 * meet[1];
     *x = from;
-    for (int step = 0; step <= bounds->least_count + bounds->most_count; ++step) {
+    if (meet[0] >= 0 && least < bounds->least_end && most < bounds->most_end && (least[1] - most[1]) * inward > 0) {
+        const double before = (least[0] - most[0]) / (least[1] - most[1]);
+        if ((before - from) * inward > 0) *x = (before - to) * inward > 0 ? to : before;
+    }
+    for (long long left = bounds->least_end - bounds->least + bounds->most_end - bounds->most; left >= 0; left -= 2) {
         const mrts_rates u = mrts_rates_at(bounds, *x);
-        const double slope = u.least_slope - u.most_slope;
         if (u.most >= u.least) return 1;
+        const double slope = u.least_bound[1] - u.most_bound[1];
         if (slope * inward <= 0) return 0;
         /* where the two lines meet, from their coefficients: `from` may be many orders of magnitude away */
-        const double next = (u.least_start - u.most_start) / slope;
+        const double next = (u.least_bound[0] - u.most_bound[0]) / slope;
         if (next == *x) return 1; /* nothing but rounding is left */
         if (*x == to) return 0;
         *x = (next - to) * inward > 0 ? to : next;
+        meet[0] = (u.least_bound - bounds->least) / 2;
+        meet[1] = (u.most_bound - bounds->most) / 2;
     }
     return 1;
 }
 
-/* Least and largest x_i that leave some u. Returns 0 if there is none. */
-static int mrts_controllable(const mrts_bounds *bounds, double *low, double *high) {
+/* Least and largest x_i that leave some u; `meet` as of both. Returns 0 if there is none. */
+static int mrts_controllable(const mrts_bounds *bounds, long long meet[2][2], double *low, double *high) {
     double least, most;
     if (bounds->low > bounds->high) return 0;
-    if (!mrts_nearest(bounds, bounds->low, bounds->high, &least)) return 0;
-    if (!mrts_nearest(bounds, bounds->high, bounds->low, &most)) return 0;
+    if (!mrts_nearest(bounds, bounds->low, bounds->high, meet[0], &least)) return 0;
+    if (!mrts_nearest(bounds, bounds->high, bounds->low, meet[1], &most)) return 0;
     *low = least;
     *high = most > least ? most : least;
     return 1;
@@ -209,12 +222,12 @@ static int mrts_controllable(const mrts_bounds *bounds, double *low, double *hig
  * Returns the sample that has none, -1 if all have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. */
 MRTS_EXPORT long long mrts_backward(long long last, const double *step, const double *rise, const long long *start,
                                     const double *planes, double *low, double *high, double *work) {
+    long long meet[2][2] = {{-1, -1}, {-1, -1}};
     for (long long i = last - 1; i >= 0; --i) {
-        const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
         const double reach[2] = {low[i + 1], high[i + 1]};
-        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
-                                                reach, low[i], high[i], work);
-        if (!mrts_controllable(&bounds, low + i, high + i)) return i;
+        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], planes + 3 * start[i + 1],
+                                                planes + 3 * start[i + 2], reach, low[i], high[i], work);
+        if (!mrts_controllable(&bounds, meet, low + i, high + i)) return i;
     }
     return -1;
 }
@@ -226,10 +239,9 @@ MRTS_EXPORT long long mrts_segment_work(long long planes) { return 4 * (planes +
 MRTS_EXPORT void mrts_forward(long long last, const double *step, const double *rise, const long long *start,
                               const double *planes, const double *low, const double *high, double *x, double *work) {
     for (long long i = 0; i < last; ++i) {
-        const int left = (int)(start[i + 1] - start[i]), right = (int)(start[i + 2] - start[i + 1]);
         const double reach[2] = {low[i + 1], high[i + 1]};
-        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], left, planes + 3 * start[i + 1], right,
-                                                reach, x[i], x[i], work);
+        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], planes + 3 * start[i + 1],
+                                                planes + 3 * start[i + 2], reach, x[i], x[i], work);
         const mrts_rates u = mrts_rates_at(&bounds, x[i]);
         const double next = x[i] + 2 * step[i] * (u.most >= u.least ? u.most : (u.most + u.least) / 2);
         x[i + 1] = next < low[i + 1] ? low[i + 1] : next > high[i + 1] ? high[i + 1] : next;
