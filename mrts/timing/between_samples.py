@@ -22,7 +22,7 @@ from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples, fastest_pieces
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""
@@ -55,8 +55,8 @@ def refined_timing(
 ) -> RetimingResult:
     """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
 
-    Each segment that oversteps limits, or is near it, is divided, and the whole path is timed again: a bounded number
-    of times, of which the one with the least excess is kept.
+    Each segment that oversteps limits, or is near it, is divided, of a fastest timing with those beside it, and the
+    whole path is timed again: a bounded number of times, of which the one with the least excess is kept.
 
     Args:
         again: The timing of the motion with further samples, told the one before.
@@ -83,7 +83,11 @@ def refined_timing(
             stalled += 1
         if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not np.any(share > tolerance):
             break
-        segment = np.flatnonzero(share > NEAR * tolerance)
+        share = np.where(share > NEAR * tolerance, share, 0.0)
+        if fastest_pieces(timed.pieces):  # its switches move out of a segment that is divided
+            beside = np.pad(share, 1)
+            share = np.max([beside[:-2], share, beside[2:]], axis=0)
+        segment = np.flatnonzero(share)
         count = np.ceil(np.sqrt(share[segment] / tolerance)).clip(2, PARTS).astype(int)  # excess goes as its square
         if timed.motion.samples + np.sum(count - 1) > most:
             break
