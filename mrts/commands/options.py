@@ -44,20 +44,30 @@ Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 class Named(click.Path):
-    """A file or a folder."""
+    """A file or a folder.
+
+    Args:
+        suffixes: That a file may have; none for any.
+    """
+
+    def __init__(self, *suffixes: str, **kind: Any) -> None:
+        super().__init__(**kind)
+        self.suffixes = suffixes
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ARG002
         """The path; an empty name would be the folder that the caller is in."""
         if not str(value) and param is not None:
             raise InputError(param.name or "", "must not be empty: name a file or a folder.")
-        return Path(value)
+        path = Path(value)
+        if self.suffixes and path.suffix.lower() not in self.suffixes and not path.is_dir() and param is not None:
+            raise InputError(param.name or "", f"must end in {' or '.join(self.suffixes)}.", value=str(path))
+        return path
 
 
 class Written(Named):
     """A file or a folder that a command writes.
 
     Attributes:
-        suffixes: That a file may have; none for any.
         is_folder: Whether it is one.
         is_new: Whether it must not exist.
         dash: Whether `-` stands for standard output.
@@ -69,15 +79,13 @@ class Written(Named):
         self, *suffixes: str, folder: bool = False, new: bool = False, dash: bool = False,
         needs: tuple[str, ...] = (), extra: str = "",
     ) -> None:  # fmt: skip
-        super().__init__(file_okay=not folder, dir_okay=folder)
-        self.suffixes, self.is_folder, self.is_new, self.dash = suffixes, folder, new, dash
+        super().__init__(*suffixes, file_okay=not folder, dir_okay=folder)
+        self.is_folder, self.is_new, self.dash = folder, new, dash
         self.needs, self.extra = needs, extra
 
     def check(self, option: str, path: Path) -> None:
         """Fail before any work if it cannot be written."""
         require_extra(option, self.extra, *self.needs)
-        if self.suffixes and path.suffix.lower() not in self.suffixes:
-            raise InputError(option, f"writes a file that ends in {' or '.join(self.suffixes)}.", value=str(path))
         is_file = path.suffix[1:] in FIGURE_FORMATS if not path.exists() else not path.is_dir()
         if self.is_new and path.exists():
             raise InputError(path, "exists already: a bag is written into a new folder. Remove it, or name another.")

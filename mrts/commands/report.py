@@ -25,7 +25,7 @@ examples:
 
 
 @options.command(EXAMPLES)
-@argument("result", type=Named(), metavar="RESULT", help="saved result (.npz), or the folder of a study")
+@argument("result", type=Named(".npz"), metavar="RESULT", help="saved result (.npz), or the folder of a study")
 @option("-o", "--output", type=HTML, default="report.html", show_default=True, metavar="FILE", help="page to write")
 @option(
     "--cell", type=Named(), metavar="CELL", help="its cell file: draw how soon and how far on a speed override stops"

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from click import Choice, FloatRange, option
+from click import Choice, option
 
 from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
@@ -95,13 +95,12 @@ FILES = ("save", *PLANS, "plot", "report")
 @option("--ros-bag", type=Written(folder=True, new=True, needs=("rosbags",), extra="ros"), metavar="DIR",
         help="write it as a ROS 2 bag (MCAP; needs the extra 'ros')")  # fmt: skip
 @option("--merged", is_flag=True, help="of --ros-bag: one trajectory of all arms")
-@option("--sample-rate", type=FloatRange(min=0, min_open=True), metavar="HZ",
+@option("--sample-rate", "rate", type=float, metavar="HZ",
         help="of --csv and --ros-bag: rows at equal steps, as a controller takes them (default: the "
         "samples)")  # fmt: skip
 @options.plot("figures")
 @option("--report", type=HTML, metavar="FILE",
         help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
-@option("--brief", is_flag=True, help="print the answer in one line, warnings on standard error")
 @option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
 def run(
     cell: Path,
@@ -110,11 +109,10 @@ def run(
     plot_format: str,
     carry: str | None = None,
     json: Path | None = None,
-    sample_rate: float | None = None,
+    rate: float | None = None,
     *,
     merged: bool = False,
     what_if: bool = False,
-    brief: bool = False,
     verbose: bool = False,
     **given: Any,
 ) -> int:
@@ -125,13 +123,11 @@ def run(
     from mrts.scaling.scale import SelectionError, torques_for_load
 
     _check(profile, given | ({"what_if": True} if what_if else {}))
-    if brief and verbose:
-        raise InputError("verbose", "does not go with --brief, which is one line.")
     files = take(given, FILES)
     if merged and "ros_bag" not in files:
         raise InputError("merged", "goes with --ros-bag.")
-    if sample_rate is not None and not files.keys() & {*PLANS}:
-        raise InputError("sample_rate", "goes with --csv or --ros-bag.")
+    if rate is not None and not files.keys() & {*PLANS}:
+        raise InputError("rate", "goes with --csv or --ros-bag.")
     motion_given = load_motion(motion, **take(given, ("smooth",)))
     automatic = _is_automatic(given)
     limited = options.compiled_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
@@ -139,7 +135,7 @@ def run(
         warn("--weights has no effect: one arm leaves no torques to choose")
     load = _known_load(limited, carry, given.get("load"))
     solver = take(dict(given), ("solver",))
-    write = partial(_write_file, sample_rate=sample_rate, merged=merged, plot_format=plot_format)
+    write = partial(_write_file, merged=merged, plot_format=plot_format)
     try:
         search = _searched(limited, motion_given, profile, given) if automatic else None
         found = (search and search.found) or _solved(limited, motion_given, profile, given)
@@ -152,15 +148,17 @@ def run(
     except SelectionError as error:
         if error.result is not None:
             outputs = Outputs(error.result, json)
-            _write(outputs, error.result, files, write)
+            _write(outputs, error.result, None, files, write)
             outputs.answer((), INFEASIBLE)
         raise
     with working("comparing with a constant factor"):
         card = None if verbose else answer_card(found)
-        lines = _words(found, card, search, brief=brief)
+        lines = _words(found, card, search)
+        plan = found if isinstance(found, ScalingResult) else found.retimed
+        plan = None if plan is None or plan.trajectory is None else plan if rate is None else plan.at_rate(rate)
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = Outputs(found, json)
-        _write(outputs, found, files, partial(write, search=search))
+        _write(outputs, found, plan, files, partial(write, search=search))
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
     code = outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
@@ -178,16 +176,10 @@ def _is_automatic(given: dict[str, Any]) -> bool:
     return True
 
 
-def _words(
-    found: "ScalingResult | RetimingResult", card: "Card | None", search: "ReserveSearch | None", *, brief: bool
-) -> list[str]:
+def _words(found: "ScalingResult | RetimingResult", card: "Card | None", search: "ReserveSearch | None") -> list[str]:
     from mrts.output.summary_lines import retiming_lines, scaling_lines
     from mrts.scaling.result import ScalingResult
 
-    if brief and card is not None:
-        for warning in found.warnings:
-            warn(warning.text)
-        return [f"{found.cell.name}: {card.outcome}"]
     lines = scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card)
     return [*lines, *([] if search is None else ["", *search.lines()])]
 
@@ -273,18 +265,19 @@ def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array 
 
 
 def _write(
-    outputs: Outputs, found: "ScalingResult | RetimingResult", files: dict[str, Path], write: Callable[..., None]
+    outputs: Outputs,
+    found: "ScalingResult | RetimingResult",
+    plan: "ScalingResult | None",
+    files: dict[str, Path],
+    write: Callable[..., None],
 ) -> None:
-    """Write what was asked for; of a timing, files of one trajectory get the retimed motion."""
-    from mrts.scaling.result import ScalingResult
-
-    played = found if isinstance(found, ScalingResult) else found.retimed
+    """Write what was asked for; files of one trajectory hold the plan, if there is one."""
     left_out = []
     for name, path in files.items():
-        if name in PLANS and (played is None or played.trajectory is None):
+        if name in PLANS and plan is None:
             left_out.append(f"--{name.replace('_', '-')}")
         else:
-            outputs.write(path, partial(write, name, played if name in PLANS else found))
+            outputs.write(path, partial(write, name, plan if name in PLANS else found))
     if left_out:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
 
@@ -294,13 +287,10 @@ def _write_file(
     found: Any,
     path: Path,
     *,
-    sample_rate: float | None,
     merged: bool,
     plot_format: str,
     search: "ReserveSearch | None" = None,
 ) -> None:
-    if name in PLANS and sample_rate is not None:
-        found = found.at_rate(sample_rate)
     if name == "save":
         from mrts.output.saved_result import save_result
 

@@ -30,7 +30,7 @@ examples:
 
 @options.command(EXAMPLES)
 @options.cell
-@argument("plan", type=Named(), metavar="PLAN",
+@argument("plan", type=Named(".npz", ".csv", ".mcap", ".db3"), metavar="PLAN",
           help="saved result (.npz), CSV table with torques and wrenches, or ROS 2 bag, as `mrts scale` writes "
           "them")  # fmt: skip
 @option("--set", "given", multiple=True, metavar="KEY=VALUE",

@@ -174,7 +174,8 @@ class WhatIf(InNotebooks):
             for group, most in ((gains, MOST_GAINS), (losses, MOST_LOSSES), (lost, MOST_LOSSES))
             for one in group[:most]
         ]  # fmt: skip
-        yield NotebookTable(("change", "effect", "duration", "then limited by"), rows)
+        if rows:
+            yield NotebookTable(("change", "effect", "duration", "then limited by"), rows)
 
     def _others(self) -> str:
         """How many changes matter less than those of the table, and what does nothing, counted by kind."""

@@ -94,8 +94,6 @@ def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
     ("options", "message"),
     [
         (["--csv", "-"], "only --json takes '-'"),
-        (["--brief", "-v"], "--verbose: does not go with --brief"),
-        (["--csv", "plan.csv", "--sample-rate", "-250"], "--sample-rate"),
         (["--merged"], "goes with --ros-bag"),
         (["--sample-rate", "250"], "goes with --csv or --ros-bag"),
         (["--plot", "r.png"], "names a file, but writes a folder"),
@@ -114,6 +112,23 @@ def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message
     assert main(["scale", str(DATA / "cell.yaml"), "none.yaml", *options]) == 2
     assert message in capsys.readouterr().err.replace("none.yaml", "MOTION")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["scale", *map(str, FILES), "--csv", "plan.csv", "--sample-rate", "nan"], "--sample-rate = nan: must be"),
+        (["scale", *map(str, FILES), "--csv", "plan.csv", "--sample-rate", "1e12"], "--sample-rate = 1000000000000.0"),
+        (["simulate", *map(str, FILES)], "PLAN = '"),
+        (["report", str(FILES[0])], "RESULT = '"),
+        (["export", str(FILES[0]), "-o", "library", "--plan", "plan.csv"], "--plan = 'plan.csv': must end in .npz."),
+    ],
+)
+def test_what_no_option_takes_is_told_of_the_option(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    assert capsys.readouterr().err.startswith(f"mrts: error: {said}")
+    assert [*tmp_path.iterdir()] == []
 
 
 def test_no_output_overwrites_a_file_that_was_read(tmp_path, monkeypatch, capsys):

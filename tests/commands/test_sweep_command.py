@@ -32,9 +32,8 @@ def test_a_study_is_solved_said_and_written(tmp_path):
     folder = tmp_path / "out" / "best-1"
     first = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "motion.yaml"), between=None)
     assert first.trajectory.duration == pytest.approx(fastest["duration"], rel=1e-9)
-    assert lines[:2] == ["", "written:"]
-    assert lines[2:] == [f"  {path}" for path in sorted(folder.parent.glob("best-*/*"))]
-    assert len(lines) == 2 + 2 * 2
+    assert lines == ["", "written:", f"  {tmp_path / 'out'}"]
+    assert len([*folder.parent.glob("best-*/*")]) == 2 * 2
     again = mrts_command("sweep", study_file(tmp_path), "-o", tmp_path / "out", "--top", 9)
     assert (again.returncode, again.stdout) == (0, done.stdout)
 

@@ -15,7 +15,6 @@ from terminal_session import at_terminal
 
 import mrts
 from mrts.cli import COMMANDS, main
-from mrts.plots.card import answer_card
 
 MRTS = (sys.executable, "-m", "mrts")
 LIFT = ("scale", DATA / "cell.yaml", DATA / "lift.yaml")
@@ -97,13 +96,6 @@ def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, p
     assert "CasADi" not in done.shown
     assert not (tmp_path / "answer.json").exists()
     assert list(tmp_path.rglob(".*")) == []  # no file is left half written
-
-
-def test_brief_is_one_line(capsys, lifted):
-    assert main([*map(str, LIFT), "--brief"]) == 0
-    assert capsys.readouterr().out == f"planar_dual_arm: {answer_card(lifted).outcome}\n"
-    assert main([*map(str, LIFT), "--brief", "--profile", "optimal"]) == 0
-    assert capsys.readouterr().out.count("\n") == 1
 
 
 def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):

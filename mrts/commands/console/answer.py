@@ -35,23 +35,19 @@ class Outputs:
     def __init__(self, found: JsonOutput | None = None, json: Path | None = None) -> None:
         self.failed = False
         self.written: list[Path] = []
-        self.defect: Exception | None = None
         self.json_text = found.json_text if found is not None and str(json) == "-" else None
         if found is not None and json is not None and self.json_text is None:
             self.write(json, found.write_json)
 
     def write(self, path: Path, write: Callable[[Path], object]) -> None:
-        """Write one output; if that fails, say so and go on."""
-        before = _files(path)
+        """Write one output, a file or a folder; if that fails, say so and go on."""
         try:
             check_not_read(path)
             write(path)
-            self.written += sorted(file for file, state in _files(path).items() if before.get(file) != state)
+            self.written.append(path)
         except MrtsError as error:
             self.failed = True
             fail(f"error: {error}")
-        except Exception as error:  # noqa: BLE001 (raised again by `answer`)
-            self.defect = self.defect or error
 
     def answer(self, lines: Iterable[str], outcome: int, styles: Mapping[str, Style] = MappingProxyType({})) -> int:
         """Print the answer in words with what was written, or as JSON where `--json -` asks for that; the exit code.
@@ -70,13 +66,4 @@ class Outputs:
                 say(line, first if number == 0 else "note" if line.startswith(NOTES) else styles.get(line, "plain"))
             if self.written:
                 say("\n".join([*([""] if told else []), "written:", *(f"  {path}" for path in self.written)]))
-        if self.defect is not None:
-            raise self.defect
         return BAD_INPUT if self.failed else outcome
-
-
-def _files(path: Path) -> dict[Path, tuple[int, int]]:
-    """A file, or the files right in a folder and in those in it, each with what changes when it is written."""
-    found = [path, *path.glob("*"), *path.glob("*/*")] if path.is_dir() else [path]
-    states = ((file, file.stat()) for file in found if not file.is_dir() and file.exists())
-    return {file: (state.st_ino, state.st_mtime_ns) for file, state in states}
