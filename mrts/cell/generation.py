@@ -122,7 +122,6 @@ def export_to(
     path: Path,
     folder: Path,
     *,
-    parts: tuple[str, ...],
     name: str | None = None,
     plan: "EmbeddedPlan | None" = None,
     **asked: Any,
@@ -132,7 +131,6 @@ def export_to(
     Args:
         path: The cell file.
         folder: For the library.
-        parts: Of `mrts_codegen.embedded.export_library.PARTS`; none at all is all.
         name: Prefix of every name in the library; None is the cell's.
         plan: What the library plays at any speed.
         **asked: What else `export_library` there takes.
@@ -141,8 +139,6 @@ def export_to(
         The files, relative to the folder.
     """
     from mrts_codegen.embedded.export_library import (  # noqa: PLC0415 (build time, on demand)
-        OVERRIDE,
-        PARTS,
         export_library,
         write_library,
     )
@@ -150,18 +146,10 @@ def export_to(
 
     cell = cell_model(path)
     record = cell.record if name is None else replace(cell.record, name=name)
-    all_parts = PARTS if plan is None else (*PARTS, OVERRIDE)
     functions = build_functions(cell, CACHED_STEM, bake=True)
-    texts = export_library(record, functions, kernel=one_file, parts=parts or all_parts, plan=plan, **asked)
+    texts = export_library(record, functions, kernel=one_file, plan=plan, **asked)
     write_library(folder, texts)
     return sorted(texts)
-
-
-def comes_with_tests(parts: tuple[str, ...]) -> bool:
-    """Whether an exported library of these parts has tests and an example, and so wants vectors: one of all parts."""
-    from mrts_codegen.embedded.export_library import is_whole  # noqa: PLC0415 (build time, on demand)
-
-    return not parts or is_whole(parts)
 
 
 def emitted(functions: dict[str, Any]) -> str:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 examples:
   mrts export cell.yaml -o embedded/my_cell --precision float
-  mrts export cell.yaml -o embedded/my_cell --functions range,torques --name arms
+  mrts export cell.yaml -o embedded/arms --name arms
   mrts export cell.yaml -o embedded/my_cell --plan result.npz --precision float
   make -C embedded/my_cell test example"""
 
@@ -29,11 +29,6 @@ examples:
 @argument("cell", type=Named(), metavar="CELL", help="cell file")
 @option("-o", "--output", type=Written(folder=True), required=True, metavar="DIR", help="folder for the library")
 @option("--precision", type=Choice(["double", "float"]), default="double", show_default=True, help="of its numbers")
-@option(
-    "--functions",
-    metavar="A,B,…",
-    help="of terms, range, share, torques, override (default: all, with tests and an example)",
-)
 @option("--name", help="prefix of all names (default: the cell's name)")
 @option("--motion", type=Named(), metavar="MOTION", help="motion of the test vectors (default: a short lift)")
 @option("--plan", type=Named(".npz"), metavar="RESULT.npz", help="a plan to be played at any speed (docs/override.md)")
@@ -44,7 +39,6 @@ examples:
 def run(
     cell: Path,
     output: Path,
-    functions: str = "",
     motion: Path | None = None,
     closure: "ClosureBound | None" = None,
     *,
@@ -55,7 +49,7 @@ def run(
     **given: Any,
 ) -> int:
     """Write a self-contained C library of a cell for a controller."""
-    from mrts.cell.generation import comes_with_tests, export_to
+    from mrts.cell.generation import export_to
     from mrts.following.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
     from mrts.output.embedded_limits import embedded_limits
@@ -76,15 +70,12 @@ def run(
         rule = "there is none that could be played faster, backwards or within rates. Give a saved result."
         raise InputError("--plan", rule)
     limits = embedded_limits(compiled)
-    parts = tuple(part for part in functions.split(",") if part)
-    vectors, samples = [], 0
-    if comes_with_tests(parts):
-        along = own_motion(compiled) if motion is None else coordinate(compiled, load_motion(motion), closure)
-        vectors, samples = make_vectors(compiled, along), along.samples
+    along = own_motion(compiled) if motion is None else coordinate(compiled, load_motion(motion), closure)
+    vectors = make_vectors(compiled, along)
     tables = None if played is None else played.tables
     with working(f"writing {output}"):
         written = export_to(
-            cell, output, limits=limits, vectors=vectors, path_samples=samples, parts=parts, plan=tables, **given
+            cell, output, limits=limits, vectors=vectors, path_samples=along.samples, plan=tables, **given
         )
     say(f"{compiled.name}: {given['precision']} precision, {len(vectors)} test vectors, in {output}:")
     say("\n".join(f"  {name}" for name in written))

@@ -158,6 +158,19 @@ def test_out_of_tree_use_as_its_readme_says(library, tmp_path):
         run(user / "build" / "user")
 
 
+def test_a_program_holds_what_it_calls_alone(exports, tmp_path):
+    folder, name = exports("dual_ur5", "double"), "dual_ur5"
+    asked = f"{name}_settings s; {name}_default_settings(&s); return (int){name}_check_settings(&s);"
+    (tmp_path / "main.c").write_text(f'#include "{name}.h"\nint main(void) {{ {asked} }}\n')
+    run(tool("make", "make"), "-C", folder)
+    linked = tmp_path / "main.c", folder / f"build/lib{name}.a", "-lm", "-Wl,--gc-sections", "-o", tmp_path / "program"
+    run(tool("gcc", "gcc"), f"-I{folder}/include", *linked)
+    held = run("nm", tmp_path / "program")
+    assert f"{name}_check_settings" in held
+    assert f"{name}_torques" not in held
+    assert f"{name}_model_" not in held
+
+
 @pytest.mark.quick
 def test_the_committed_export_is_current(tmp_path):
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
@@ -223,7 +236,6 @@ def test_bad_exports_are_refused(tmp_path, capsys, planar_cell):
     names = [("test", "is taken"), ("stdio", "is taken"), ("1x", "must be letters"), ("../x", "must be letters")]
     for arguments, words in (
         *((["export", cell, *target, "--name", name], words) for name, words in [*names, ("x" * 41, "at most 40")]),
-        (["export", cell, *target, "--functions", "ranges"], "there are terms, range,"),
         (["export", str(tmp_path), *target], "starts from the cell file"),
         (["export", str(tmp_path / "none.yaml"), *target], "there is no such cell file"),
     ):
@@ -232,4 +244,4 @@ def test_bad_exports_are_refused(tmp_path, capsys, planar_cell):
     assert not (tmp_path / "x").exists()
     with pytest.raises(mrts.InputError, match="double or float"):
         export_to(DATA / "cell.yaml", tmp_path / "x", limits=embedded_limits(planar_cell), vectors=[], path_samples=0,
-                  precision="half", parts=())  # fmt: skip
+                  precision="half")  # fmt: skip

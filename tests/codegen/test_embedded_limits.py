@@ -81,7 +81,7 @@ def test_a_limit_given_to_a_cell_reaches_the_library_and_binds(tmp_path):
     assert SUPPLY in {str(row.name) for row in wanted.rows}
     folder, vectors = tmp_path / "library", make_vectors(cell, motion)
     given = {"limits": embedded_limits(cell), "vectors": vectors, "path_samples": motion.samples}
-    export_to(DATA / "cell.yaml", folder, **given, precision="double", parts=())
+    export_to(DATA / "cell.yaml", folder, **given, precision="double")
     assert "0 mismatches" in run("make", "test", cwd=folder)
     library = LoadedLibrary(folder, tmp_path)
     assert_binds_as(wanted, library.horizon(motion), SUPPLY)

@@ -150,7 +150,7 @@ def test_a_cup_stays_in_a_loop_from_a_least_speed_on(precision, tmp_path):
     vectors = make_vectors(cell, motion)
     assert sum(vector.ends[0] > 0 for vector in vectors) > len(vectors) / 2
     given = {"limits": embedded_limits(cell), "vectors": vectors, "path_samples": motion.samples}
-    export_to(path, folder, **given, precision=precision, parts=())
+    export_to(path, folder, **given, precision=precision)
     assert "0 mismatches" in run("make", "test", cwd=folder)
     if precision == "float":
         return

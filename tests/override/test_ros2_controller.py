@@ -21,7 +21,7 @@ SAME = 1e-9
 def test_it_plays_the_plan_from_its_start_to_its_end(turned, tmp_path):
     mrts.save_result(turned, tmp_path / "plan.npz")
     cell, library = DATA / "dual_ur5" / "cell.yaml", tmp_path / "library"
-    done = mrts_command("export", cell, "--plan", tmp_path / "plan.npz", "-o", library, "--functions", "override")
+    done = mrts_command("export", cell, "--plan", tmp_path / "plan.npz", "-o", library)
     assert done.returncode == 0, done.stderr
     subprocess.run([shutil.which("make"), "-s", "-C", library], check=True, capture_output=True)
     checks = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]

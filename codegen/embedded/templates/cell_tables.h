@@ -1,10 +1,6 @@
 /* @NOTICE@
  * The cell's names, numbers and limits of torques and wrenches, as mrts_limits has them. */
-#if CELL_MOTIONS
 static const char *const ROW_TEXT[1 + CELL_ROWS + CELL_VELOCITIES + CELL_MOTIONS] = {
-#else
-static const char *const ROW_TEXT[1 + CELL_ROWS + CELL_VELOCITIES] = {
-#endif
     "c^2 >= 0",
 @ROW_TEXT@
 };
@@ -41,7 +37,6 @@ static const cell_settings DEFAULTS = {
     CELL_UNLIMITED,
 #endif
 };
-#if CELL_HAS_ROWS
 static const int row_start[CELL_ROWS + 1] = {@ROW_START@};
 static const int row_column[@ENTRIES@] = {@ROW_COLUMN@};
 static const cell_real row_value[@ENTRIES@] = {@ROW_VALUE@};
@@ -69,9 +64,6 @@ static const cell_real point_place[3 * CELL_POINTS] = {@POINT_PLACE@};
 static const cell_real thing_axes[9 * CELL_THINGS] = {@THING_AXES@}, thing_centre[3 * CELL_THINGS] = {@THING_CENTRE@};
 static const cell_real gravity[3] = {@GRAVITY@};
 #endif
-#endif
-#if CELL_HAS_RANGE
 const cell_real cell_load_corners[CELL_CORNERS][CELL_LOAD] = {
 @LOAD_CORNERS@
 };
-#endif

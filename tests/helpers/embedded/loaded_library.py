@@ -28,17 +28,17 @@ class LoadedLibrary:
         run(tool("gcc", "gcc"), "-std=c99", "-O2", "-shared", "-fPIC", f"-I{folder}/include", *sources(folder), "-lm",
             "-o", shared)  # fmt: skip
         self.code = ctypes.CDLL(str(shared))
-        self.motors = "_place;" in text
+        self.motors = bool(self.sizes["MOTORS"])
         joints, limits = self.sizes["JOINTS"], self.sizes["ROWS"]
         moving = {"q": joints, "dq": joints, "ddq": joints, "rotation": 9, "twist": 6, "acceleration": 6}
         self.Sample = structure([*reals(moving), *([("place", ctypes.c_int)] if self.motors else [])])
         self.Range, self.Horizon = range_structures(self.sizes["UNKNOWNS"])
-        given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + self.sizes.get("ENDS", 0)}
+        given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + self.sizes["ENDS"]}
         given["weight"] = joints
         if self.motors:
             given |= dict.fromkeys(("armature", "coulomb", "viscous"), joints)
             given |= {"rest": 2, "slope": self.sizes["LINES"]}
-        if "POINTS" in self.sizes:
+        if self.sizes["MOTIONS"]:
             points, things = self.sizes["POINTS"], self.sizes["THINGS"]
             given |= {"acceleration_lower": joints, "acceleration_upper": joints, "object_acceleration": 2}
             given |= {"point_speed": points, "point_acceleration": points} if points else {}

@@ -14,6 +14,10 @@ int main(void) {
     const int samples = PLANAR_DUAL_ARM_PATH_SAMPLES, step = samples > 4 ? samples / 4 : 1;
 
     planar_dual_arm_default_settings(&settings);
+#if PLANAR_DUAL_ARM_MOTORS
+    settings.rest_speed = PLANAR_DUAL_ARM_REST_SPEED;
+    settings.rest_acceleration = PLANAR_DUAL_ARM_REST_ACCELERATION;
+#endif
     planar_dual_arm_horizon_start(&horizon);
     for (int k = 0; k < samples; ++k) {
         planar_dual_arm_range_of_sample(&planar_dual_arm_vectors[k].sample, &settings, &range, &workspace);

@@ -15,13 +15,21 @@ extern "C" {
 
 typedef double planar_dual_arm_real;
 
+#define PLANAR_DUAL_ARM_SINGLE 0      /* 1 of float, 0 of double */
 #define PLANAR_DUAL_ARM_ROBOTS 2
 #define PLANAR_DUAL_ARM_JOINTS 6      /* of all arms, in the order of the cell file */
 #define PLANAR_DUAL_ARM_WRENCH 3       /* components of one contact wrench: fx, fy, nz */
 #define PLANAR_DUAL_ARM_WRENCHES 6     /* components of all contact wrenches, arm after arm */
 #define PLANAR_DUAL_ARM_UNKNOWNS 4     /* of the programs: all wrenches but the last arm's, and c^2 */
 #define PLANAR_DUAL_ARM_ROWS 12        /* limits of torques and wrenches, in the order of the cell's limits */
-#define PLANAR_DUAL_ARM_VELOCITIES (PLANAR_DUAL_ARM_JOINTS + 2) /* of all joints, and the object's linear and angular one */
+#define PLANAR_DUAL_ARM_TURNED 0      /* 1 where some are of wrenches in object axes */
+#define PLANAR_DUAL_ARM_MOTORS 0      /* 1 where motors have armature, friction or torque-speed curves */
+#define PLANAR_DUAL_ARM_LINES 0       /* lines of torque-speed curves: rows that fall with the speed */
+#define PLANAR_DUAL_ARM_ENDS 0        /* ends of torque-speed curves */
+#define PLANAR_DUAL_ARM_VELOCITIES (PLANAR_DUAL_ARM_JOINTS + 2 + PLANAR_DUAL_ARM_ENDS) /* of all joints, the object's linear and angular one, and these ends */
+#define PLANAR_DUAL_ARM_POINTS 0      /* points of arms and object whose motion is limited */
+#define PLANAR_DUAL_ARM_THINGS 0      /* things that stand loose on the object */
+#define PLANAR_DUAL_ARM_MOTIONS 0     /* limits of accelerations, points and things */
 #define PLANAR_DUAL_ARM_LOAD 10        /* mass, mx, my, mz (mass times com), ixx, iyy, izz, ixy, ixz, iyz (about the origin) */
 #define PLANAR_DUAL_ARM_CORNERS 1      /* corners of the cell file's load variation; 1 if it has none */
 #define PLANAR_DUAL_ARM_UNLIMITED 1e300 /* an absent limit is this, or its negative */
@@ -34,6 +42,16 @@ typedef enum {
     PLANAR_DUAL_ARM_UNDECIDED = 4,   /* the data are too close to infeasible, or too badly scaled, for this precision */
     PLANAR_DUAL_ARM_BAD_ARGUMENT = 5 /* not finite, a reversed limit, a mass, weight or velocity limit that is not > 0, c^2 < 0 */
 } planar_dual_arm_status;
+#if PLANAR_DUAL_ARM_MOTORS
+
+/* Where in its motion a sample lies. That tells what dry friction does in a joint that stands there (q' = 0): it is
+ * against the direction in which the joint travels just before and just after. */
+typedef enum {
+    PLANAR_DUAL_ARM_INSIDE = 0, /* both: where the joint turns back, limits hold with the friction of either direction */
+    PLANAR_DUAL_ARM_START = 1,  /* the motion begins here: only after, along q'' */
+    PLANAR_DUAL_ARM_END = 2     /* it ends here: only before, against q'' */
+} planar_dual_arm_place;
+#endif
 
 /* One sample of the given motion. */
 typedef struct {
@@ -43,6 +61,9 @@ typedef struct {
     planar_dual_arm_real rotation[9];             /* of the object in the world, row after row */
     planar_dual_arm_real twist[6];                /* p' and the angular velocity of the object */
     planar_dual_arm_real acceleration[6];         /* p'' and the angular acceleration */
+#if PLANAR_DUAL_ARM_MOTORS
+    planar_dual_arm_place place;                 /* PLANAR_DUAL_ARM_INSIDE, which is 0, but for the first and the last sample */
+#endif
 } planar_dual_arm_sample;
 
 /* What may change at run time. Start from planar_dual_arm_default_settings. */
@@ -52,11 +73,39 @@ typedef struct {
     planar_dual_arm_real upper[PLANAR_DUAL_ARM_ROWS];
     planar_dual_arm_real velocity[PLANAR_DUAL_ARM_VELOCITIES]; /* > 0, rad/s or m/s; PLANAR_DUAL_ARM_UNLIMITED where none is enforced */
     planar_dual_arm_real weight[PLANAR_DUAL_ARM_JOINTS];  /* diagonal of W in t'Wt, > 0 */
+#if PLANAR_DUAL_ARM_MOTORS
+    planar_dual_arm_real armature[PLANAR_DUAL_ARM_JOINTS]; /* of motors: rotor inertia times gear ratio squared, kg m^2 or kg, >= 0 */
+    planar_dual_arm_real coulomb[PLANAR_DUAL_ARM_JOINTS]; /* dry friction, N m or N, >= 0 */
+    planar_dual_arm_real viscous[PLANAR_DUAL_ARM_JOINTS]; /* friction that grows with the speed, N m s/rad or N s/m, >= 0 */
+    planar_dual_arm_real rest_speed;              /* |q'| up to which a joint stands, rad/s or m/s, >= 0 */
+    planar_dual_arm_real rest_acceleration;       /* |q''| up to which it then does not leave, >= 0 */
+#endif
+#if PLANAR_DUAL_ARM_LINES
+    planar_dual_arm_real slope[PLANAR_DUAL_ARM_LINES];    /* of torque-speed lines |torque| <= upper - slope |q'| r', >= 0 */
+#endif
+#if PLANAR_DUAL_ARM_MOTIONS
+    planar_dual_arm_real acceleration_lower[PLANAR_DUAL_ARM_JOINTS]; /* of joints, < 0, rad/s^2 or m/s^2; -PLANAR_DUAL_ARM_UNLIMITED where there is none */
+    planar_dual_arm_real acceleration_upper[PLANAR_DUAL_ARM_JOINTS]; /* > 0 */
+    planar_dual_arm_real object_acceleration[2];          /* of its frame, linear and angular, > 0, m/s^2 and rad/s^2 */
+#endif
+#if PLANAR_DUAL_ARM_POINTS
+    planar_dual_arm_real point_speed[PLANAR_DUAL_ARM_POINTS];        /* > 0, m/s */
+    planar_dual_arm_real point_acceleration[PLANAR_DUAL_ARM_POINTS]; /* > 0, m/s^2 */
+#endif
+#if PLANAR_DUAL_ARM_THINGS
+    planar_dual_arm_real friction[PLANAR_DUAL_ARM_THINGS];           /* between a thing and the object, > 0; PLANAR_DUAL_ARM_UNLIMITED: it cannot slide */
+    planar_dual_arm_real tilt[2 * PLANAR_DUAL_ARM_THINGS]; /* half width over height of the centre of mass, along a and b, > 0; PLANAR_DUAL_ARM_UNLIMITED: it
+                                         * cannot tip. The centre itself stays where it is in the cell file */
+#endif
+#if PLANAR_DUAL_ARM_MOTORS
+    planar_dual_arm_real most; /* largest c^2 that is asked for, > 0: ranges are the highest intervals up to it; no row is named there */
+#endif
 } planar_dual_arm_settings;
 
 /* Range of c^2. Rows are 1 + row at an upper and -1 - row at a lower limit, the strongest first; 0 stands for c^2 >= 0,
- * 1 + PLANAR_DUAL_ARM_ROWS + i for velocity i, of several that bind for the first. Of an infeasible sample `upper_rows` are the
- * rows in conflict. */
+ * 1 + PLANAR_DUAL_ARM_ROWS + i for velocity i, of several that bind for the first; 1 + PLANAR_DUAL_ARM_ROWS + PLANAR_DUAL_ARM_VELOCITIES + i is limit i
+ * of accelerations (of joints, at either side; of the object), points (speed and acceleration of each) and things (friction,
+ * and tilt to either side along a and b). Of an infeasible sample `upper_rows` are the rows in conflict. */
 typedef struct {
     planar_dual_arm_status status;
     planar_dual_arm_real lower;
@@ -71,9 +120,22 @@ typedef struct {
 typedef struct {
     int lower_basis[PLANAR_DUAL_ARM_UNKNOWNS], upper_basis[PLANAR_DUAL_ARM_UNKNOWNS];
     int which[PLANAR_DUAL_ARM_ROWS], integers[PLANAR_DUAL_ARM_ROWS + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
+#if PLANAR_DUAL_ARM_MOTORS
+    int curve_basis[3 * (PLANAR_DUAL_ARM_UNKNOWNS + 1)], curve_integers[PLANAR_DUAL_ARM_ROWS + 7 + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
+#endif
     planar_dual_arm_real form[(PLANAR_DUAL_ARM_UNKNOWNS + 1) * (PLANAR_DUAL_ARM_JOINTS + PLANAR_DUAL_ARM_WRENCHES)];
+#if PLANAR_DUAL_ARM_TURNED
+    planar_dual_arm_real turned[(PLANAR_DUAL_ARM_UNKNOWNS + 1) * PLANAR_DUAL_ARM_WRENCHES];
+#endif
     planar_dual_arm_real rows[PLANAR_DUAL_ARM_ROWS * (PLANAR_DUAL_ARM_UNKNOWNS + 3) + 3 * PLANAR_DUAL_ARM_UNKNOWNS];
     planar_dual_arm_real work[3 * PLANAR_DUAL_ARM_UNKNOWNS * PLANAR_DUAL_ARM_UNKNOWNS + 7 * PLANAR_DUAL_ARM_UNKNOWNS];
+#if PLANAR_DUAL_ARM_MOTORS
+    planar_dual_arm_real torque_square[PLANAR_DUAL_ARM_JOINTS], torque_offset[PLANAR_DUAL_ARM_JOINTS], torque_speed[PLANAR_DUAL_ARM_JOINTS];
+    planar_dual_arm_real row_offset[PLANAR_DUAL_ARM_ROWS], row_margin[PLANAR_DUAL_ARM_ROWS], row_speed[PLANAR_DUAL_ARM_ROWS], by_speed[PLANAR_DUAL_ARM_ROWS];
+    planar_dual_arm_real curve[(PLANAR_DUAL_ARM_ROWS + 1) * (PLANAR_DUAL_ARM_UNKNOWNS + 1) + 2 * (PLANAR_DUAL_ARM_ROWS + PLANAR_DUAL_ARM_UNKNOWNS + 2) +
+                      (PLANAR_DUAL_ARM_UNKNOWNS + 1) * (PLANAR_DUAL_ARM_UNKNOWNS + 5)];
+    planar_dual_arm_real curve_speed;
+#endif
 } planar_dual_arm_workspace;
 
 const char *planar_dual_arm_status_text(planar_dual_arm_status status);
@@ -85,7 +147,8 @@ void planar_dual_arm_default_settings(planar_dual_arm_settings *settings);
 planar_dual_arm_status planar_dual_arm_check_settings(const planar_dual_arm_settings *settings);
 void planar_dual_arm_reset(planar_dual_arm_workspace *workspace);
 
-/* A horizon of samples, fed one by one: the intersection of their ranges. */
+/* A horizon of samples, fed one by one: the intersection of their ranges. If that is empty and there are motors, slower
+ * intervals may have a c^2 in common: set `most` of the settings to `upper` and feed it again. */
 typedef struct {
     planar_dual_arm_status status;
     planar_dual_arm_real lower, upper;
@@ -102,9 +165,14 @@ typedef struct {
     planar_dual_arm_real E[PLANAR_DUAL_ARM_JOINTS], A[PLANAR_DUAL_ARM_JOINTS], G[PLANAR_DUAL_ARM_JOINTS];
     planar_dual_arm_real J[PLANAR_DUAL_ARM_WRENCH * PLANAR_DUAL_ARM_JOINTS], B[PLANAR_DUAL_ARM_WRENCH * PLANAR_DUAL_ARM_WRENCHES];
     planar_dual_arm_real P[PLANAR_DUAL_ARM_WRENCH], S[PLANAR_DUAL_ARM_WRENCH], Q[PLANAR_DUAL_ARM_WRENCH];
+#if PLANAR_DUAL_ARM_MOTORS
+    planar_dual_arm_real V[PLANAR_DUAL_ARM_JOINTS], C[PLANAR_DUAL_ARM_JOINTS]; /* friction: torque = ... + V r' + C, of motors; E, A have armature */
+    planar_dual_arm_real turning[PLANAR_DUAL_ARM_JOINTS]; /* dry friction of a joint that turns back: it acts in both directions; C is 0 */
+#endif
 } planar_dual_arm_terms_of_sample;
 
 void planar_dual_arm_terms(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_terms_of_sample *terms);
+
 /* Least and largest c^2 at a sample, torques distributed freely. */
 planar_dual_arm_status planar_dual_arm_range_of_sample(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
                          planar_dual_arm_workspace *workspace);
@@ -117,14 +185,17 @@ planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sa
 
 /* Corners of the cell file's load variation. */
 extern const planar_dual_arm_real planar_dual_arm_load_corners[PLANAR_DUAL_ARM_CORNERS][PLANAR_DUAL_ARM_LOAD];
+
 /* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
 planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
                                    planar_dual_arm_range *range, planar_dual_arm_workspace *workspace);
+
 /* Torques and contact wrenches with the least t'Wt at a c^2 of the range; only with PLANAR_DUAL_ARM_OK do they keep the
  * limits. */
 planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_real c2,
                          planar_dual_arm_real torque[PLANAR_DUAL_ARM_JOINTS], planar_dual_arm_real wrench[PLANAR_DUAL_ARM_WRENCHES],
                          planar_dual_arm_workspace *workspace);
+
 #ifdef __cplusplus
 }
 #endif

@@ -8,6 +8,7 @@
 
 void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res);
 void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res);
+void planar_dual_arm_model_played_torques(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res);
 void planar_dual_arm_model_fixed_distribution(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res);
 
 #endif

@@ -48,15 +48,44 @@ static void compare(int k, const char *what, const planar_dual_arm_range *range,
     demand(close_to((double)range->lower, lower), k, "lower end", (double)range->lower, lower);
     if (status != PLANAR_DUAL_ARM_UNBOUNDED) demand(close_to((double)range->upper, upper), k, "upper end", (double)range->upper, upper);
 }
+#if PLANAR_DUAL_ARM_THINGS
+
+/* Python keeps friction by a polygon inside its cone, of 224 sides: its answers lie between those of the cone and of this
+ * share of it. */
+#define POLYGON (planar_dual_arm_real)0.9999
+
+/* Moves answers onto others that lie between them and those `inside`, whose range is the shorter one. */
+static void approach(planar_dual_arm_range *range, const planar_dual_arm_range *inside, int status, double lower, double upper) {
+    const int left = inside->status == PLANAR_DUAL_ARM_OK || inside->status == PLANAR_DUAL_ARM_UNBOUNDED;
+    const double low = (double)(left ? inside->lower : range->upper), high = (double)(left ? inside->upper : range->lower);
+    if ((int)inside->status == status) range->status = inside->status;
+    if (lower >= (double)range->lower && lower <= low * (1 + TOLERANCE)) range->lower = (planar_dual_arm_real)lower;
+    if (upper <= (double)range->upper && upper >= high * (1 - TOLERANCE)) range->upper = (planar_dual_arm_real)upper;
+}
+#endif
 
 int main(void) {
     static planar_dual_arm_workspace workspace, fresh;
     planar_dual_arm_settings settings;
     planar_dual_arm_range range, again;
     planar_dual_arm_real torque[PLANAR_DUAL_ARM_JOINTS], wrench[PLANAR_DUAL_ARM_WRENCHES];
+#if PLANAR_DUAL_ARM_THINGS
+    planar_dual_arm_settings narrower;
+    planar_dual_arm_range inside;
+#endif
     int undecided = 0, seen[7] = {0};
     planar_dual_arm_default_settings(&settings);
+#if PLANAR_DUAL_ARM_MOTORS
+    settings.rest_speed = PLANAR_DUAL_ARM_REST_SPEED;
+    settings.rest_acceleration = PLANAR_DUAL_ARM_REST_ACCELERATION;
+#endif
     demand(planar_dual_arm_check_settings(&settings) == PLANAR_DUAL_ARM_OK, -1, "settings", 1, 0);
+#if PLANAR_DUAL_ARM_THINGS
+    narrower = settings;
+    for (int i = 0; i < PLANAR_DUAL_ARM_THINGS; ++i) {
+        if (narrower.friction[i] < PLANAR_DUAL_ARM_UNLIMITED) narrower.friction[i] *= POLYGON;
+    }
+#endif
     for (int k = 0; k < PLANAR_DUAL_ARM_VECTORS; ++k) {
         const planar_dual_arm_vector *vector = &planar_dual_arm_vectors[k];
         settings.load[0] = vector->mass;
@@ -68,8 +97,17 @@ int main(void) {
             demand(close_to((double)again.upper, (double)range.upper), k, "cold start", (double)again.upper,
                    (double)range.upper);
         }
+#if PLANAR_DUAL_ARM_THINGS
+        narrower.load[0] = vector->mass;
+        planar_dual_arm_range_of_sample(&vector->sample, &narrower, &inside, &workspace);
+        approach(&range, &inside, vector->status, vector->lower, vector->upper);
+#endif
         compare(k, "status", &range, vector->status, vector->lower, vector->upper, &undecided);
         planar_dual_arm_equal_share_range(&vector->sample, &settings, &range, &workspace);
+#if PLANAR_DUAL_ARM_THINGS
+        planar_dual_arm_equal_share_range(&vector->sample, &narrower, &inside, &workspace);
+        approach(&range, &inside, vector->share_status, vector->share_lower, vector->share_upper);
+#endif
         compare(k, "equal share", &range, vector->share_status, vector->share_lower, vector->share_upper, &undecided);
         if (vector->c2 <= 0) continue;
         if (planar_dual_arm_torques(&vector->sample, &settings, (planar_dual_arm_real)vector->c2, torque, wrench, &workspace) != PLANAR_DUAL_ARM_OK) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The cell of an exported library. What begins with cell_ and CELL_ takes the library's name there; what stands under a
- * condition on CELL_... is resolved at export. The model, constants and tables are generated.
+ * The cell of an exported library. What begins with cell_ and CELL_ takes the library's name there. The model, constants
+ * and tables are generated.
  */
 #include "cell.h"
 #include "cell_model.h"
@@ -11,27 +11,17 @@
 #if CELL_SINGLE
 #define MRTS_SINGLE
 #endif
-#if CELL_WHOLE
 #define MRTS_LOCAL static
-#else
-#define MRTS_LOCAL static inline /* some of it may be left out */
-#endif
 #include "../numbers.h"
-#if CELL_HAS_ROWS
 #include "../rows.h"
 #if CELL_POINTS || CELL_THINGS
 #include "../point_motion.h"
 #endif
-#endif
-#if CELL_HAS_FORM || CELL_HAS_SPEEDS
 #include "../linear_programs.c"
-#endif
-#if CELL_HAS_SPEEDS
+#if CELL_MOTORS
 #include "../speed_intervals.c"
 #endif
-#if CELL_HAS_TORQUES
 #include "../quadratic_programs.c"
-#endif
 #include "cell_tables.h"
 
 enum {
@@ -192,7 +182,6 @@ static mrts_real dry_friction(const cell_sample *sample, const cell_settings *se
 }
 #endif
 
-#if CELL_HAS_TERMS
 void cell_terms(const cell_sample *sample, const cell_settings *settings, cell_terms_of_sample *terms) {
     mrts_real turned[9];
     const mrts_real *arg[7];
@@ -208,9 +197,7 @@ void cell_terms(const cell_sample *sample, const cell_settings *settings, cell_t
     }
 #endif
 }
-#endif
 
-#if CELL_HAS_ROWS
 #define NO_EFFECT MRTS_C(1e-30) /* an effect of c^2 = 1 on a limit below this share of it is none */
 #define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
 
@@ -372,7 +359,6 @@ static mrts_span standing(const cell_sample *sample, const cell_settings *settin
     }
     return span;
 }
-#if CELL_HAS_RANGE || CELL_HAS_SHARE
 
 /* Narrows a range to the c^2 with which all things stay as they stand. */
 static cell_status keep_standing(const cell_sample *sample, const cell_settings *settings, cell_range *range) {
@@ -393,7 +379,6 @@ static cell_status keep_standing(const cell_sample *sample, const cell_settings 
     range->lower_count = 0;
     return range->status = CELL_INFEASIBLE;
 }
-#endif
 #endif
 
 /* The largest c^2 that velocity limits allow, of each joint, then of the object's linear and angular speed; MRTS_INFINITY where
@@ -509,9 +494,7 @@ static int build_rows(const cell_sample *sample, const cell_settings *settings, 
     return mrts_rows_over(unknowns, &limits, workspace->rows, workspace->which, rows) &&
            mrts_build_rows(unknowns, JOINTS, WRENCHES, form, &limits, &terms, rows);
 }
-#endif
 
-#if CELL_HAS_FORM
 typedef char form_holds[HOLDS(form, mrts_real, MRTS_FORM_WORK(K, JOINTS, WRENCHES))];
 
 /* The wrench form of a sample, in the workspace. */
@@ -524,9 +507,8 @@ static mrts_form wrench_form(const cell_sample *sample, const mrts_real *load, c
     cell_model_wrench_form(arg, res);
     return form;
 }
-#endif
 
-#if CELL_HAS_SPEEDS
+#if CELL_MOTORS
 typedef char curve_holds[HOLDS(curve, mrts_real, MRTS_CURVE_WORK(K, ROWS))];
 typedef char curve_integers_hold[HOLDS(curve_integers, int, MRTS_CURVE_IWORK(K, ROWS))];
 typedef char curve_basis_holds[HOLDS(curve_basis, int, MRTS_CURVE_BASES * (K + 1))];
@@ -563,7 +545,6 @@ static cell_status speeds_of(int k, const mrts_rows *rows, const mrts_real *colu
 }
 #endif
 
-#if CELL_HAS_RANGE
 #ifdef MRTS_SINGLE
 #define BINDING MRTS_C(1e-4) /* a row binds if its multiplier exceeds this share of the largest */
 #else
@@ -820,9 +801,7 @@ cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings
     if (upper_load != 0) *upper_load = at_upper;
     return range->status;
 }
-#endif
 
-#if CELL_HAS_SHARE
 #if CELL_MOTORS
 /* The row that is furthest beyond its limits at a speed, as cell_range names it; the speed moves onto its limit. */
 static int nearest_limit(const mrts_curve *curve, const mrts_rows *rows, mrts_real *speed) {
@@ -936,9 +915,7 @@ cell_status cell_equal_share_range(const cell_sample *sample, const cell_setting
 #endif
     return range->status;
 }
-#endif
 
-#if CELL_HAS_TORQUES
 #ifdef MRTS_SINGLE
 #define TORQUE_WIDENING MRTS_C(1e-5) /* of limits: at the end of a range the feasible set is a point */
 #else
@@ -976,4 +953,3 @@ cell_status cell_torques(const cell_sample *sample, const cell_settings *setting
     if (!all_finite(JOINTS, torque) || !all_finite(WRENCHES, wrench)) return CELL_UNDECIDED;
     return status == MRTS_OPTIMAL ? CELL_OK : status == MRTS_INFEASIBLE ? CELL_INFEASIBLE : CELL_UNDECIDED;
 }
-#endif

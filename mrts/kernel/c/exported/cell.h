@@ -85,12 +85,9 @@ typedef struct {
 } cell_settings;
 
 /* Range of c^2. Rows are 1 + row at an upper and -1 - row at a lower limit, the strongest first; 0 stands for c^2 >= 0,
- * 1 + CELL_ROWS + i for velocity i, of several that bind for the first. Of an infeasible sample `upper_rows` are the
- * rows in conflict. */
-#if CELL_MOTIONS
-/* 1 + CELL_ROWS + CELL_VELOCITIES + i is limit i of accelerations (of joints, at either side; of the object), points (speed
- * and acceleration of each) and things (friction, and tilt to either side along a and b): CELL_MOTIONS of them. */
-#endif
+ * 1 + CELL_ROWS + i for velocity i, of several that bind for the first; 1 + CELL_ROWS + CELL_VELOCITIES + i is limit i
+ * of accelerations (of joints, at either side; of the object), points (speed and acceleration of each) and things (friction,
+ * and tilt to either side along a and b). Of an infeasible sample `upper_rows` are the rows in conflict. */
 typedef struct {
     cell_status status;
     cell_real lower;
@@ -132,10 +129,8 @@ void cell_default_settings(cell_settings *settings);
 cell_status cell_check_settings(const cell_settings *settings);
 void cell_reset(cell_workspace *workspace);
 
-/* A horizon of samples, fed one by one: the intersection of their ranges. */
-#if CELL_MOTORS
-/* If that is empty, slower intervals may have a c^2 in common: set `most` of the settings to `upper` and feed it again. */
-#endif
+/* A horizon of samples, fed one by one: the intersection of their ranges. If that is empty and there are motors, slower
+ * intervals may have a c^2 in common: set `most` of the settings to `upper` and feed it again. */
 typedef struct {
     cell_status status;
     cell_real lower, upper;
@@ -145,7 +140,6 @@ typedef struct {
 void cell_horizon_start(cell_horizon *horizon);
 cell_status cell_horizon_add(cell_horizon *horizon, const cell_range *range);
 
-#if CELL_HAS_TERMS
 /* Terms of (11) to (18): torque = E r'^2 + A r'' + G + J'F of each arm, sum B F = P r'^2 + S r'' + Q of the object. J
  * and B stand arm beside arm, column after column: J has CELL_WRENCH rows and CELL_JOINTS columns, B
  * CELL_WRENCH rows and CELL_WRENCHES columns. */
@@ -160,8 +154,7 @@ typedef struct {
 } cell_terms_of_sample;
 
 void cell_terms(const cell_sample *sample, const cell_settings *settings, cell_terms_of_sample *terms);
-#endif
-#if CELL_HAS_RANGE
+
 /* Least and largest c^2 at a sample, torques distributed freely. */
 cell_status cell_range_of_sample(const cell_sample *sample, const cell_settings *settings, cell_range *range,
                          cell_workspace *workspace);
@@ -174,19 +167,17 @@ cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings
 
 /* Corners of the cell file's load variation. */
 extern const cell_real cell_load_corners[CELL_CORNERS][CELL_LOAD];
-#endif
-#if CELL_HAS_SHARE
+
 /* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
 cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings,
                                    cell_range *range, cell_workspace *workspace);
-#endif
-#if CELL_HAS_TORQUES
+
 /* Torques and contact wrenches with the least t'Wt at a c^2 of the range; only with CELL_OK do they keep the
  * limits. */
 cell_status cell_torques(const cell_sample *sample, const cell_settings *settings, cell_real c2,
                          cell_real torque[CELL_JOINTS], cell_real wrench[CELL_WRENCHES],
                          cell_workspace *workspace);
-#endif
+
 #ifdef __cplusplus
 }
 #endif

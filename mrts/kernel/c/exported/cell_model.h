@@ -7,17 +7,9 @@
 
 #include "cell.h"
 
-#if CELL_HAS_TERMS
 void cell_model_terms(const cell_real *const *arg, cell_real *const *res);
-#endif
-#if CELL_HAS_FORM
 void cell_model_wrench_form(const cell_real *const *arg, cell_real *const *res);
-#endif
-#if CELL_HAS_OVERRIDE
 void cell_model_played_torques(const cell_real *const *arg, cell_real *const *res);
-#endif
-#if CELL_HAS_SHARE
 void cell_model_fixed_distribution(const cell_real *const *arg, cell_real *const *res);
-#endif
 
 #endif

@@ -170,7 +170,7 @@ static void play(const cell_plan *plan, cell_override *state) {
     cell_real travel[JOINTS];
 #endif
     const cell_real *given[] = {state->q, state->dq, state->ddq, plan->load, shares,
-#if CELL_GEOMETRY
+#ifdef CELL_GEOMETRY
                                 plan->geometry
 #endif
     };

@@ -41,7 +41,7 @@ typedef struct {
 #if CELL_MOTORS
     cell_real armature[CELL_JOINTS], coulomb[CELL_JOINTS], viscous[CELL_JOINTS]; /* as in cell_settings */
 #endif
-#if CELL_GEOMETRY
+#ifdef CELL_GEOMETRY
     const cell_real *geometry;
 #endif
 } cell_plan;
@@ -80,7 +80,7 @@ cell_real cell_override_stop_time(const cell_plan *plan, const cell_override *st
 cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_override *state, cell_real seconds,
                                        cell_real dt);
 
-#if !CELL_GEOMETRY
+#ifndef CELL_GEOMETRY
 /* The exported plan. */
 extern const cell_plan cell_planned;
 
