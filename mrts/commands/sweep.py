@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """`mrts sweep`."""
 
+from collections import Counter
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +18,6 @@ from mrts.commands.options import Named, Written
 if TYPE_CHECKING:
     from mrts.studies.study import Study
     from mrts.studies.study_folder import StudyFolder
-    from mrts.studies.sweep import SweepProgress
 
 EXAMPLES = """\
 examples:
@@ -45,47 +46,37 @@ def run(
 ) -> int:
     """Solve all variants of a study: numbers of cell and motion that vary."""
     from mrts.studies.study import read_study
+    from mrts.studies.sweep import best_variants
 
     with working(f"reading {study}"):
         asked = read_study(study)
-    folder, found = _solved(asked, output, workers, scheduler)
-    outputs = Outputs()
-    admitted = found.statuses["feasible"] + found.statuses["unbounded"]
-    if top:
-        from mrts.studies.sweep import write_best
-
-        outputs.write(folder.path, lambda _: write_best(asked, folder, top))
+    folder = _solved(asked, output, workers, scheduler)
+    outputs, best = Outputs(), best_variants(folder, max(top, 1))
+    for rank, variant in enumerate([*best][:top], start=1):
+        outputs.write(output / f"best-{rank}", partial(asked.write_variant, variant))
+    counts = Counter(folder.table(["status"])["status"].to_pylist())
+    told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    answer = [f"{study.name}: {asked.variants} variants: {told}"]
+    answer += [f"best: variant {variant}, {duration:.4g} s" for variant, duration in [*best.items()][:1]]
     if plot is not None:
         from mrts.plots import durations_plot, read_study_table, study_map_plot, write_plots
 
         table = read_study_table(folder.path)
         outputs.write(plot, lambda to: write_plots([durations_plot(table), study_map_plot(table)], to, plot_format))
-    return outputs.answer(_answer(asked, found), FEASIBLE if admitted else INFEASIBLE)
+    return outputs.answer(answer, FEASIBLE if counts["feasible"] + counts["unbounded"] else INFEASIBLE)
 
 
-def _solved(
-    study: "Study", output: Path, workers: int | None, scheduler: str | None
-) -> "tuple[StudyFolder, SweepProgress]":
+def _solved(study: "Study", output: Path, workers: int | None, scheduler: str | None) -> "StudyFolder":
     """The folder of a study, complete; where the work is interrupted, how to go on is said."""
     from mrts.base.held_interrupt import held_interrupt
     from mrts.studies.study_folder import read_study_folder
     from mrts.studies.sweep import solve_study
 
     try:
-        with working(f"sweeping {study.path.name}") as show:
-
-            def tell(progress: "SweepProgress") -> None:
-                show(progress.done, progress.variants, str(progress))
-
-            return solve_study(study, output, workers, scheduler, tell)
+        with working(f"sweeping {study.path.name}") as progress:
+            return solve_study(study, output, workers, scheduler, progress)
     except KeyboardInterrupt:
         with held_interrupt(), suppress(InputError):  # an interrupt comes again until it is obeyed
             done = read_study_folder(output).dataset().count_rows()
             warn(f"{output} holds {done} of {study.variants} variants: the same command goes on from there")
         raise
-
-
-def _answer(study: "Study", found: "SweepProgress") -> list[str]:
-    counts = ", ".join(f"{count} {status}" for status, count in found.statuses.most_common())
-    best = [] if found.best is None else [f"best: variant {found.best_variant}, {found.best:.4g} s"]
-    return [f"{study.path.name}: {study.variants} variants: {counts}", *best]

@@ -57,13 +57,11 @@ def test_wrong_options_are_named(arguments, said, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["study.yaml"]
 
 
-def test_a_terminal_sees_rate_time_left_and_best_and_ctrl_c_says_how_to_go_on(tmp_path):
+def test_a_terminal_sees_how_far_it_is_and_ctrl_c_says_how_to_go_on(tmp_path):
     path = study_file(tmp_path, "vary: {object.mass: {from: 1, to: 4, steps: 500}}\nbetween: 0.001")
     command = [sys.executable, "-c", DRIVER.format(chunk=2), "sweep", path, "-o", tmp_path / "out", "--workers", 1]
-    done = at_terminal(command, keys=[("left; best", "\x03\x03")], COLUMNS="200")
+    done = at_terminal(command, keys=[("of 500;", "\x03\x03")], COLUMNS="200")
     assert done.code == 130, done.shown
-    assert re.search(r"\d+ of 500; \S+ a second, \d:\d\d:\d\d left; best 0\.\d+ s", done.shown)
     ending = done.shown[done.shown.index("out holds") :]
     assert re.match(r"out holds \d+ of 500 variants: the same command goes on from there", ending)
     assert ending.rstrip().endswith("mrts: interrupted\x1b[0m")
-    assert mrts.read_study_folder(tmp_path / "out").table().num_rows > 0

@@ -71,8 +71,8 @@ def test_a_cluster_gives_the_same_bits_though_a_worker_is_killed(cluster, study,
     address, session = cluster
     out, done = tmp_path / "out", []
 
-    def kill_one(progress):
-        done.append(progress.done)
+    def kill_one(solved, _variants):
+        done.append(solved)
         if len(done) == 3:
             kill(workers(session)[0])
 

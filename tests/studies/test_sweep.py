@@ -1,7 +1,6 @@
 """A study solved by processes of this machine: the same table whoever solves it, and after whatever end."""
 
 import os
-import re
 import shutil
 import signal
 import time
@@ -51,7 +50,7 @@ def solved(study, tmp_path_factory):
     out, told = tmp_path_factory.mktemp("solved") / "out", []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(engine, "chunk_size", lambda _study: CHUNK)
-        mrts.sweep(study, out, workers=2, progress=told.append)
+        mrts.sweep(study, out, workers=2, progress=lambda *progress: told.append(progress))
     return out, told
 
 
@@ -68,13 +67,7 @@ def test_two_workers_give_the_table_that_none_gives(solved, alone):
     assert_same_table(table, alone)
     assert len(parts(out)) == 12
     assert set(table["status"].to_pylist()) == {"feasible", "infeasible", "unreachable"}
-    assert [each.done for each in told] == sorted({each.done for each in told})
-    assert (told[0].done, told[0].rate, told[0].remaining) == (0, 0, None)
-    durations = [row["duration"] or float("inf") for row in table.to_pylist()]
-    last = told[-1]
-    assert (last.done, last.remaining, last.best) == (24, 0, min(durations))
-    assert durations[last.best_variant] == last.best
-    assert re.fullmatch(r"\S+ a second, 0:00:00 left; best 0\.\d+ s", str(last))
+    assert told == [(done, 24) for done in range(0, 25, CHUNK)]
 
 
 def test_a_complete_study_is_read_not_solved(out, study, alone):
@@ -117,18 +110,6 @@ def test_a_variant_that_no_worker_survives_is_a_row_and_costs_no_other(alone, tm
     others = [variant for variant in range(24) if variant not in failed]
     columns = {name: [values[k] for k in others] for name, values in alone.items()}
     assert_same_table(table.take(others), columns)
-
-
-def test_the_best_are_written(out, study):
-    rows = mrts.sweep(study, out, workers=2, top=2).to_pylist()
-    ranked = sorted((row for row in rows if row["duration"]), key=lambda row: (row["duration"], row["variant"]))
-    for rank, row in enumerate(ranked[:2], start=1):
-        files = [out / f"best-{rank}" / name for name in ("cell.yaml", "motion.yaml")]
-        cell, motion = mrts.load_cell(files[0]), mrts.load_motion(files[1])
-        assert cell.mass == row["object.mass"]
-        alone = mrts.scale(cell, motion, between=0.001)
-        assert alone.range.upper.c2 == row["c2_upper"]
-        assert f"Variant {row['variant']} of study.yaml" in files[0].read_text()
 
 
 def test_a_limit_given_in_python_is_kept_by_workers_or_refused(tmp_path):
