@@ -18,8 +18,7 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.options import Options
-from mrts.scaling.range import RangeEnd
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.scale import admissible_range
 from mrts.studies.parameters import ANSWERS
 from mrts.studies.study import Study
@@ -72,17 +71,6 @@ def columns_of(study: Study, points: Array, first: int, rows: Sequence[Row]) -> 
     return columns | {name: [row.get(name) for row in rows] for name in column_types(study) if name not in columns}
 
 
-def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
-    """What the ends of a range that admits motion say of a variant whose given motion lasts some time [s]."""
-    row: Row = {"c2_lower": lower.c2}
-    if lower.c2 > 0 and lower.time is not None:
-        row |= {"lower_limit": _labels(lower), "lower_time": lower.time}
-    if upper.time is not None:
-        row |= {"c2_upper": upper.c2, "upper_limit": _labels(upper), "upper_time": upper.time}
-        row["duration"] = given_duration / math.sqrt(upper.c2) if upper.c2 > 0 else None
-    return row
-
-
 def _labels(end: RangeEnd) -> str:
     return LIMIT_SEPARATOR.join(dict.fromkeys(row.label for row in end.rows))
 
@@ -116,7 +104,8 @@ def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
         return _timed_row(retime(cell, motion, **asked))
     cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
     options = Options(load=question.load, between=question.between).checked(cell)
-    return _range_row(admissible_range(cell, coordinate(cell, motion, None), options)[0])
+    found = admissible_range(cell, coordinate(cell, motion, None), options)[0]
+    return range_row(found.range, float(found.motion.object.time[-1]))
 
 
 def _clearance(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
@@ -128,7 +117,8 @@ def _clearance(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> R
 
 def _timed_row(found: RetimingResult) -> Row:
     """The range is that of a constant factor."""
-    row = _range_row(found.factor) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
+    row = range_row(found.factor.range, float(found.factor.motion.object.time[-1]))
+    row |= {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
     if found.status.admits_motion:
         return row
     unbounded = found.status is RetimingStatus.UNBOUNDED
@@ -136,11 +126,18 @@ def _timed_row(found: RetimingResult) -> Row:
     return row | {"status": status.value, "reason": found.explanation or found.status.value}
 
 
-def _range_row(result: ScalingResult) -> Row:
-    found = result.range
+def range_row(found: ScalingRange, given_duration: float) -> Row:
+    """What the range of c² says of a variant whose given motion lasts some time [s]."""
     row: Row = {"status": found.status.value}
     if found.status is not RangeStatus.FEASIBLE:
         row["reason"] = found.explain() or found.status.advice
-    if not found.status.admits_motion or found.lower is None or found.upper is None:
+    lower, upper = found.lower, found.upper
+    if not found.status.admits_motion or lower is None or upper is None:
         return row
-    return row | ends_row(found.lower, found.upper, float(result.motion.object.time[-1]))
+    row["c2_lower"] = lower.c2
+    if lower.c2 > 0 and lower.time is not None:
+        row |= {"lower_limit": _labels(lower), "lower_time": lower.time}
+    if upper.time is not None:
+        row |= {"c2_upper": upper.c2, "upper_limit": _labels(upper), "upper_time": upper.time}
+        row["duration"] = given_duration / math.sqrt(upper.c2) if upper.c2 > 0 else None
+    return row
