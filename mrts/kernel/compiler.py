@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess  # fixed flags, no shell, the command is the user's own CC
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
@@ -114,19 +113,8 @@ def _run(arguments: list[str]) -> tuple[int, str]:
             ) from None
         finally:
             if process.returncode is None:  # too slow, or Ctrl-C: its own children end with it
-                _stop(process)
+                os.killpg(process.pid, signal.SIGTERM)
     return process.returncode, errors or output
-
-
-def _stop(process: "subprocess.Popen[str]") -> None:
-    """End a compiler and its children; one that removes its temporary files has a second for it."""
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGTERM)
-        try:
-            with suppress(subprocess.TimeoutExpired):
-                process.wait(timeout=1)
-        finally:  # Ctrl-C comes again
-            os.killpg(process.pid, signal.SIGKILL)
 
 
 def library_or_rebuilt(
@@ -143,39 +131,22 @@ def library_or_rebuilt(
     Raises:
         CompilerError: If the compiler fails, or makes what cannot be opened.
     """
-    try:
-        return open_library(library_in_cache(command, name, source))
-    except (OSError, AttributeError):
-        pass
-    try:
-        return open_library(library_in_cache(command, name, source, rebuild=True))
-    except (OSError, AttributeError) as error:
-        raise CompilerError(
-            f"what compiler {' '.join(command)} made of {name} cannot be loaded: {error}. Set CC to a working one."
-        ) from None
+    for rebuild in (False, True):
+        try:
+            return open_library(library_in_cache(command, name, source, rebuild=rebuild))
+        except (OSError, AttributeError) as error:
+            problem = error
+    raise CompilerError(
+        f"what compiler {' '.join(command)} made of {name} cannot be loaded: {problem}. Set CC to a working one."
+    )
 
 
 def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuild: bool = False) -> Path:
     """Shared library of a C text, compiled unless the cache holds it, or if it is to be rebuilt."""
     text = "\0".join((source, *command, *flags())).encode()
     library = cache_folder("lib", hashlib.sha256(text).hexdigest()) / f"{name}.so"
-    seal = library.with_suffix(".sha256")
-    if rebuild or not _is_whole(library, seal):
+    if rebuild or not only_ours(library):
         file = library.with_suffix(".c")
         write_text_atomically(file, source, private=True)
         compile_library(command, file, library)
-        write_text_atomically(seal, hashlib.sha256(library.read_bytes()).hexdigest(), private=True)
     return library
-
-
-def _is_whole(library: Path, seal: Path) -> bool:
-    """Whether a library is the one that was compiled here: a damaged one can crash the process that opens it.
-
-    The seal tells damage, not malice: that nobody else could write the file does.
-    """
-    if not only_ours(library):
-        return False
-    try:
-        return hashlib.sha256(library.read_bytes()).hexdigest() == seal.read_text(encoding="ascii")
-    except (OSError, ValueError):
-        return False

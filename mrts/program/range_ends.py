@@ -269,68 +269,45 @@ NEAR = 1e-4
 """A row is at its limit if no solution keeps further away than this share of it: 1 / NEAR times `WIDER` is the least
 multiplier, as a share of all, that counts."""
 
+AWAY = 0.99
+"""Share of `NEAR` from which a side is away from its limit: rounding."""
+
 
 def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow, ...]:
     """All rows at their limit in every solution at an end of a sample's range, in the order of the rows.
 
+    A linear program asks as many sides as can to be `NEAR` away at once: with t from 0 to 1 for each, the largest Σ t.
     A row whose limits are equal is at both whatever c² is, and none of them.
     """
     if end == "lower" and c2 * float(problem.effect(caps=True)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
     moving = np.flatnonzero(~problem.is_cap)
-    lower, upper = (limit[0, moving] for limit in problem.limits_at(c2))
-    lower, upper = lower - WIDER, upper + WIDER
-    apart = upper - lower > 2 * NEAR
-    rows, lows = np.nonzero(np.column_stack([apart & np.isfinite(upper), apart & np.isfinite(lower)]))
-    distance = _largest_distance(problem.free[0, moving], lower, upper, rows, np.where(lows, -1.0, 1.0))
-    tight = np.flatnonzero(distance <= (NEAR if problem.unknowns > 1 else BINDING_TOLERANCE))
-    named = [
-        problem.active_row(place, upper=not low)
-        for place, low in zip(moving[rows[tight]].tolist(), lows[tight].tolist(), strict=True)
-    ]
+    free, limits = problem.free[0, moving], np.stack(problem.limits_at(c2))[:, 0, moving]
+    equal, unknowns = limits[1] - limits[0] <= 2 * NEAR, problem.unknowns - 1
+    sides, rows = np.nonzero(np.isfinite(limits) & ~equal)
+    sign, of_sides, of_equal = np.where(sides, 1.0, -1.0), np.full(len(rows), np.inf), limits[:, equal]
+    A = np.zeros((len(rows) + len(of_equal[0]), unknowns + len(rows)))
+    A[:, :unknowns] = np.concatenate([sign[:, None] * free[rows], free[equal]])
+    np.fill_diagonal(A[:, unknowns:], NEAR if unknowns else BINDING_TOLERANCE)
+    answers = solve_programs(
+        ConvexPrograms(
+            H=None,
+            g=np.append(np.zeros(unknowns), np.full(len(rows), -1.0))[None],
+            A=A[None],
+            lower=np.append(-of_sides, of_equal[0] - WIDER)[None],
+            upper=np.append(sign * limits[sides, rows], of_equal[1])[None] + WIDER,
+            x_lower=np.append(np.full(unknowns, -np.inf), 0 * rows)[None],
+            x_upper=np.append(np.full(unknowns, np.inf), 0 * rows + 1)[None],
+        ),
+        DEFAULT_SOLVER,
+    )
+    if not answers.verified[0]:
+        return ()
+    tight = sorted(
+        (row, side) for row, side, t in zip(moving[rows], sides, answers.x[0, unknowns:], strict=True) if t < AWAY
+    )
+    named = [problem.active_row(row, upper=bool(side)) for row, side in tight]
     if end == "upper":
         caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
         named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
     return tuple(dict.fromkeys(named))  # the sides of a norm have one name
-
-
-def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array) -> Array:
-    x, _, verified = _away_from(A, lower, upper, row[None], sign[None])
-    value: Array = A[row] @ x[0]
-    distance = np.where(verified[0], np.where(sign > 0, upper[row] - value, value - lower[row]), 0.0)
-    asked = np.flatnonzero(distance <= NEAR)
-    if asked.size:
-        _, furthest, verified = _away_from(A, lower, upper, row[asked, None], sign[asked, None])
-        distance[asked] = np.where(verified, furthest, np.inf)
-    return distance
-
-
-def _away_from(
-    A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array
-) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Unknowns that keep as far as they can, at most 1, from all sides of each of p programs at once.
-
-    Sides are given by row and sign, 1 of upper ones, Shape (p, s). Returns unknowns, Shape (p, k), distances, Shape
-    (p,), and which were solved.
-    """
-    (rows, unknowns), (count, sides) = A.shape, row.shape
-    asked = np.zeros((count, rows + sides, unknowns + 1))
-    asked[:, :rows, :-1] = A
-    asked[:, rows:, :-1] = sign[:, :, None] * A[row]
-    asked[:, rows:, -1] = 1.0
-    g = np.zeros((count, unknowns + 1))
-    g[:, -1] = -1.0
-    free = np.full((count, unknowns), np.inf)
-    answers = solve_programs(
-        ConvexPrograms(
-            H=None,
-            g=g,
-            A=asked,
-            lower=np.column_stack([np.tile(lower, (count, 1)), np.full((count, sides), -np.inf)]),
-            upper=np.column_stack([np.tile(upper, (count, 1)), np.where(sign > 0, upper[row], -lower[row])]),
-            x_lower=np.column_stack([-free, np.zeros(count)]),
-            x_upper=np.column_stack([free, np.ones(count)]),
-        ),
-        DEFAULT_SOLVER,
-    )
-    return answers.x[:, :-1], answers.x[:, -1], answers.verified
