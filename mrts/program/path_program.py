@@ -10,7 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import circle, polygons
+from mrts.limits.rows import circle, joint_rows, polygons, wrench_rows
 from mrts.program.motion_rows import motor_terms
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem
@@ -24,96 +24,8 @@ START = "constant jerk from rest"
 
 BETWEEN_NODES = "speed between nodes"
 
-OF_PATH = (START, BETWEEN_NODES)
-"""Names of rows of the speed along the path, which stand once, behind those of the first load."""
-
 SAME_ROW = 1e-12
 """Share by which the row of a limit may differ from that of a torque whose rate is limited: rounding."""
-
-
-class _Rows:
-    """Rows of one load, some of them limited in how fast they change, as they are put together for `SmoothProgram`."""
-
-    def __init__(self, problem: SampleProblem, sizes: Array | None) -> None:
-        n, r = problem.lower.shape
-        self.map, self.unit = problem.A, problem.unit
-        self.root = np.zeros((n, r)) if problem.speed is None else problem.speed
-        self.lower, self.upper, self.offset = problem.lower.copy(), problem.upper.copy(), np.zeros((n, r))
-        self.change, self.weight = np.full(r, np.inf), np.zeros(r)
-        self.sizes = np.zeros((2, r)) if sizes is None else sizes
-        self.names = [str(name) for name in problem.names]
-
-    def _place_of(self, column: Array) -> int | None:
-        """The row that is one torque or wrench component in its unit, told by its map, Shape (n, f + 2)."""
-        size = float(np.max(np.abs(column)))
-        near = np.max(np.abs(self.map[0] * self.unit[:, None] - column[0]), axis=1) <= SAME_ROW * size
-        for row in np.flatnonzero(near).tolist():
-            if np.max(np.abs(self.map[:, row] * self.unit[row] - column)) <= SAME_ROW * size:
-                return int(row)
-        return None
-
-    def limited(self, terms: tuple[Array, Array | None, Array], place: int, size: float, name: str) -> int:
-        """The row of a torque or a wrench component, with its offset; one without limits is added if there is none.
-
-        One is added too where another offset would change how fast a row with a limited rate changes. Terms are map,
-        root and offset of all torques or wrench components.
-        """
-        column, offset = terms[0][:, place], terms[2][:, place]
-        root = np.zeros(len(column)) if terms[1] is None else terms[1][:, place]
-        row = self._place_of(column)
-        if row is not None and np.isfinite(self.change[row]):
-            apart = offset / self.unit[row] - self.offset[:, row]
-            row = row if np.ptp(apart) <= SAME_ROW * float(np.max(np.abs(apart))) else None
-        if row is None:
-            row = self.map.shape[1]
-            self._add(column / size, np.full(len(column), np.inf), name, size, root / size)
-        moved = offset / self.unit[row] - self.offset[:, row]
-        self.offset[:, row] += moved
-        self.lower[:, row] += moved
-        self.upper[:, row] += moved
-        return row
-
-    def _add(self, column: Array, upper: Array, name: str, unit: float = 1.0, root: Array | None = None) -> None:
-        """Add a row without lower limit: its map, Shape (n, f + 2), upper limit and root, Shape (n,)."""
-        nothing = np.zeros(len(column))
-        self.map = np.concatenate([self.map, column[:, None]], axis=1)
-        self.root = np.column_stack([self.root, nothing if root is None else root])
-        self.offset = np.column_stack([self.offset, nothing])
-        self.lower, self.upper = np.column_stack([self.lower, nothing - np.inf]), np.column_stack([self.upper, upper])
-        self.unit, self.change = np.append(self.unit, unit), np.append(self.change, np.inf)
-        self.weight, self.sizes = np.append(self.weight, 0.0), np.pad(self.sizes, ((0, 0), (0, 1)))
-        self.names.append(name)
-
-    def stay_below(self, step: Array, problem: SampleProblem) -> None:
-        """Add that the control points of x, a quadratic spline, keep the limits of speed: then so does all of x.
-
-        Without it x could stand at its limit at the nodes and u jump to and fro between them at no cost.
-        """
-        share = problem.cap_share
-        if not share.shape[1]:
-            return
-        middle = np.max((share[:-1] + share[1:]) / 2, axis=1)
-        column, upper = np.zeros((len(share), self.map.shape[2])), np.ones(len(share))
-        column[:-1, -2], column[:-1, -1], upper[-1] = middle * step, middle, np.inf
-        self._add(column, upper, BETWEEN_NODES)
-
-    def start_gently(self, sigma: Array, rests: tuple[bool, bool]) -> None:
-        """Add |σ̈| <= FROM_REST σ̇² / length at the first two and the last two nodes, where the path is at rest there.
-
-        At such an end no torque depends on σ̇: its rows leave σ̇ free, and a profile that falls within the first segment
-        would gain time by a jerk that rows at nodes do not see.
-
-        Elsewhere add σ̇² + h σ̈ >= 0 with the step h that follows. That is the middle one of the three Bernstein
-        coefficients of σ̇² on a segment, its ends are the others, and a polynomial is positive where they are.
-        """
-        n, near = len(sigma), np.repeat(rests, 2)
-        nodes = np.array([0, 1, n - 2, n - 1])[near]
-        for sign in (1.0, -1.0):
-            column, upper = np.zeros((n, self.map.shape[2])), np.full(n, np.inf)
-            if sign < 0:
-                column[:-1, -2], column[:-1, -1], upper[:-1] = -np.diff(sigma), -1.0, 0.0
-            column[nodes, -2], column[nodes, -1], upper[nodes] = sign * sigma[-1] / FROM_REST, -1.0, 0.0
-            self._add(column, upper, START)
 
 
 def path_program(
@@ -144,45 +56,28 @@ def path_program(
         third: q''' at both ends of every segment, Shape (n - 1, 2, m); None takes it from q' and q'' at the nodes.
         sizes: `counted_sizes` of the rows of a problem, Shape (2, r); None where nothing is to be kept in reserve.
     """
-    parts = [_rows(cell, path, problem, rates, weights, sizes) for problem in problems]
-    parts[0].start_gently(path.object.time, (ends[0] is None, ends[1] is None))
-    parts[0].stay_below(np.diff(path.object.time), problems[0])
-    for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
-        rows.lower[:, : len(problem.is_cap)][:, problem.is_cap] = -np.inf
-        rows.upper[:, : len(problem.is_cap)][:, problem.is_cap] = np.inf
-    frees = [rows.map.shape[2] - 2 for rows in parts]
-    counts = [rows.map.shape[1] for rows in parts]
-    first = np.cumsum([0, *frees])
-    free = np.zeros((path.samples, sum(counts), first[-1]))
-    for rows, start, place in zip(parts, first.tolist(), np.cumsum([0, *counts]).tolist(), strict=False):
-        own = rows.map[:, :, :-2]
-        free[:, place : place + own.shape[1], start : start + own.shape[2]] = own
-
-    def joined(name: str) -> Array:
-        return np.concatenate([getattr(rows, name) for rows in parts], axis=-1)
-
-    lower, upper = joined("lower"), joined("upper")
+    parts = [_load_rows(cell, path, problem, rates, weights, sizes) for problem in problems]
+    for (rows, _), problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
+        caps = np.flatnonzero(problem.is_cap)
+        rows["lower"][:, caps], rows["upper"][:, caps] = -np.inf, np.inf
+    parts.append(_path_rows(path.object.time, problems[0], (ends[0] is None, ends[1] is None)))
+    unknowns, start = sum(rows["free"].shape[2] for rows, _ in parts), 0
+    for rows, _ in parts:
+        end = start + rows["free"].shape[2]
+        rows["free"], start = np.pad(rows["free"], ((0, 0), (0, 0), (start, unknowns - end))), end
+    joined = {name: np.concatenate([rows[name] for rows, _ in parts], axis=1) for name in parts[0][0]}
     for place, held in zip((0, -1), end_free, strict=True):
         if held is not None:
-            lower[place], upper[place] = -np.inf, np.inf
+            joined["lower"][place], joined["upper"][place] = -np.inf, np.inf
     limited, step = np.flatnonzero(np.isfinite(rates.jerk)), np.diff(path.object.time)
     return SmoothProgram(
         step=step,
-        square=np.concatenate([rows.map[:, :, -1] for rows in parts], axis=1),
-        rate=np.concatenate([rows.map[:, :, -2] for rows in parts], axis=1),
-        root=joined("root"),
-        offset=joined("offset"),
-        free=free,
-        lower=lower,
-        upper=upper,
-        change=joined("change"),
-        weight=joined("weight"),
-        sizes=joined("sizes"),
+        **joined | {name: joined[name][0] for name in ("change", "weight")},
         q1=path.dq[:, limited],
         q2=path.ddq[:, limited],
         q3=(third_derivatives(step, path.dq, path.ddq) if third is None else third)[..., limited],
         jerk=rates.jerk[limited],
-        names=tuple(chain.from_iterable(rows.names for rows in parts)),
+        names=tuple(chain.from_iterable(names for _, names in parts)),
         joints=tuple(np.array(cell.joint_names)[limited].tolist()),
         ends=ends,
         end_free=end_free,
@@ -222,42 +117,88 @@ def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
     return np.stack([rise - 4 * start - 2 * end, -rise + 2 * start + 4 * end], axis=1)
 
 
-def _rows(
+def _load_rows(
     cell: Cell,
     path: CoordinatedMotion,
     problem: SampleProblem,
     rates: RateLimits,
     weights: Array | None,
     sizes: Array | None,
-) -> _Rows:
-    rows = _Rows(problem, sizes)
-    torques = (problem.torque_map, problem.torque_speed, problem.torque_offset)
+) -> tuple[dict[str, Array], list[str]]:
+    """Rows of one load as attributes of `SmoothProgram`, with limits of rates and weights of squares, and their names.
+
+    A torque or wrench component whose rate or square counts is the row of its own limits, moved by its offset. Where it
+    has none, and where another offset would change how fast a row with a limited rate changes, it is one row more.
+    """
+    names, r, m = [str(name) for name in problem.names], len(problem.unit), len(rates.torque)
+    at_end = (0, 2 * m + len(rates.wrench))  # room for what is no row yet
+    A, unit = np.pad(problem.A, ((0, 0), at_end, (0, 0))), np.pad(problem.unit, at_end, constant_values=1.0)
+    lower = np.pad(problem.lower, ((0, 0), at_end), constant_values=-np.inf)
+    upper = np.pad(problem.upper, ((0, 0), at_end), constant_values=np.inf)
+    root, offset = np.zeros((2, *lower.shape))
+    root[:, :r] = 0.0 if problem.speed is None else problem.speed
+    change, weight = np.full(len(unit), np.inf), np.zeros(len(unit))
+
+    def counts(
+        name: str, column: Array, own_root: Array, own: Array, most: float = np.inf, square: float = 0.0
+    ) -> None:
+        row = names.index(name) if name in names else 0
+        moved = own / unit[row] - offset[:, row]
+        alike = np.max(np.abs(A[:, row] * unit[row] - column)) <= SAME_ROW * np.max(np.abs(column))
+        steady = np.isinf(change[row]) or np.ptp(moved) <= SAME_ROW * np.max(np.abs(moved))
+        if name not in names or not alike or not steady:
+            row = len(names)
+            names.append(name)
+            unit[row] = most if np.isfinite(most) else 1.0
+            A[:, row], root[:, row], moved = column / unit[row], own_root / unit[row], own / unit[row]
+        for of in (lower, upper, offset):
+            of[:, row] += moved
+        change[row] = min(change[row], most / unit[row])
+        weight[row] += square * unit[row] ** 2
+
+    torque, torque_offset, nothing = problem.torque_map, problem.torque_offset, np.zeros(path.samples)
+    torque_root = np.zeros_like(torque_offset) if problem.torque_speed is None else problem.torque_speed
+    joints, components = joint_rows(cell, "torque", "torque_units"), wrench_rows(cell, "wrench")
     motors = motor_terms(cell, path)
-    without_dry = torques if motors is None else (*torques[:2], torques[2] - motors.dry)
-    wrenches = (problem.wrench_map, None, problem.wrench_offset)
-    components = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
-    for terms, limits, names in (
-        (without_dry, rates.torque, [f"{joint} torque" for joint in cell.joint_names]),
-        (wrenches, rates.wrench, [f"{component} contact wrench" for component in components]),
-    ):
-        for place in np.flatnonzero(np.isfinite(limits)).tolist():
-            row = rows.limited(terms, place, float(limits[place]), names[place])
-            rows.change[row] = limits[place] / rows.unit[row]
-    if weights is not None:
-        _weigh(rows, torques, weights)
-    return rows
+    without_dry = torque_offset if motors is None else torque_offset - motors.dry
+    for j in np.flatnonzero(np.isfinite(rates.torque)):
+        counts(str(joints[j]), torque[:, j], torque_root[:, j], without_dry[:, j], rates.torque[j])
+    for j in np.flatnonzero(np.isfinite(rates.wrench)):
+        counts(str(components[j]), problem.wrench_map[:, j], nothing, problem.wrench_offset[:, j], rates.wrench[j])
+    if weights is not None:  # τᵀWτ, of the torques themselves if W is diagonal, else of Lᵀτ with W = L Lᵀ
+        diagonal = np.diag(weights)
+        if np.count_nonzero(weights - np.diag(diagonal)):
+            turn, diagonal, joints = np.linalg.cholesky(weights).T, np.ones(m), ()
+            torque, torque_root, torque_offset = turn @ torque, torque_root @ turn.T, torque_offset @ turn.T
+        for place, square in enumerate(diagonal):
+            name = str(joints[place]) if joints else ""
+            counts(name, torque[:, place], torque_root[:, place], torque_offset[:, place], square=square)
+    rows = {"square": A[:, :, -1], "rate": A[:, :, -2], "free": A[:, :, :-2], "root": root, "offset": offset}
+    rows |= {"lower": lower, "upper": upper, "change": change[None], "weight": weight[None]}
+    rows["sizes"] = np.pad(np.zeros((2, r)) if sizes is None else sizes, ((0, 0), at_end))
+    return {name: of[:, : len(names)] for name, of in rows.items()}, names
 
 
-def _weigh(rows: _Rows, torques: tuple[Array, Array | None, Array], weights: Array) -> None:
-    """Put τᵀWτ into the weights of rows: of the torques themselves if W is diagonal, else of Lᵀτ with W = L Lᵀ."""
-    if np.count_nonzero(weights - np.diag(np.diag(weights))):
-        turn = np.linalg.cholesky(weights).T
-        torques = (
-            np.einsum("ij,njk->nik", turn, torques[0]),
-            None if torques[1] is None else torques[1] @ turn.T,
-            torques[2] @ turn.T,
-        )
-        weights = np.eye(len(turn))
-    for place, weight in enumerate(np.diag(weights).tolist()):
-        row = rows.limited(torques, place, 1.0, "")
-        rows.weight[row] = weight * rows.unit[row] ** 2
+def _path_rows(sigma: Array, problem: SampleProblem, rests: tuple[bool, bool]) -> tuple[dict[str, Array], list[str]]:
+    """Rows of the speed along the path alone, as `_load_rows`.
+
+    At rest |σ̈| <= FROM_REST σ̇² / length at the first two and the last two nodes: at such an end no torque depends on
+    σ̇: its rows leave σ̇ free, and a profile that falls within the first segment would gain time by a jerk that rows at
+    nodes do not see. Elsewhere σ̇² + h σ̈ >= 0 with the step h that follows. That is the middle one of the three
+    Bernstein coefficients of σ̇² on a segment, its ends are the others, and a polynomial is positive where they are.
+
+    The control points of x, a quadratic spline, keep the limits of speed: then so does all of x. Without it x could
+    stand at its limit at the nodes and u jump to and fro between them at no cost.
+    """
+    n, step, share = len(sigma), np.diff(sigma), problem.cap_share
+    rate, square, nothing, upper = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.full((n, 3), np.inf)
+    rate[:-1, 1], square[:-1, 1], upper[:-1, 1] = -step, -1.0, 0.0
+    nodes = np.array([0, 1, n - 2, n - 1])[np.repeat(rests, 2)]
+    rate[nodes, :2] = np.array([1.0, -1.0]) * sigma[-1] / FROM_REST
+    square[nodes, :2], upper[nodes, :2] = -1.0, 0.0
+    if share.shape[1]:
+        square[:-1, 2] = np.max((share[:-1] + share[1:]) / 2, axis=1)
+        rate[:-1, 2], upper[:-1, 2] = square[:-1, 2] * step, 1.0
+    rows = {"square": square, "rate": rate, "free": np.zeros((n, 3, 0)), "root": nothing, "offset": nothing}
+    rows |= {"lower": np.full((n, 3), -np.inf), "upper": upper, "change": np.full((1, 3), np.inf)}
+    return rows | {"weight": np.zeros((1, 3)), "sizes": np.zeros((2, 3))}, [START, START, BETWEEN_NODES]
