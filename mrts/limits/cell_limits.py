@@ -12,31 +12,17 @@ from mrts.cell.motors import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, joint_rows, object_axes, row_names, wrench_rows
 
-NONE = np.zeros(0)
-
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
-    names = joint_rows(cell, "torque", "torque_units")
-    return LimitRows.of(
-        cell,
-        names=names,
-        lower=cell.stacked("torque_lower"),
-        upper=cell.stacked("torque_upper"),
-        torque_matrix=np.eye(len(names)),
-    )
+    names, sides = joint_rows(cell, "torque", "torque_units"), map(cell.stacked, ("torque_lower", "torque_upper"))
+    return LimitRows.of(cell, names, *sides, torque_matrix=np.eye(len(names)))
 
 
 def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
-    names = wrench_rows(cell, "wrench")
-    return LimitRows.of(
-        cell,
-        names=names,
-        lower=cell.stacked("wrench_lower"),
-        upper=cell.stacked("wrench_upper"),
-        wrench_matrix=np.eye(len(names)),
-    )
+    names, sides = wrench_rows(cell, "wrench"), map(cell.stacked, ("wrench_lower", "wrench_upper"))
+    return LimitRows.of(cell, names, *sides, wrench_matrix=np.eye(len(names)))
 
 
 def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
@@ -60,33 +46,22 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
         else:
             in_object[rows] = in_object_axes(contact.A, robot.T_object_tip.R, cell.wrench_components)
         start += len(contact.rows)
-    turns = bool(np.any(in_object))
-    return LimitRows.of(
-        cell,
-        names=names,
-        lower=np.concatenate([contact.lower for _, contact in contacts]),
-        upper=np.concatenate([contact.upper for _, contact in contacts]),
-        wrench_matrix=in_base,
-        object_matrix=in_object if turns else None,
-        object_axes=object_axes(cell, motion) if turns else None,
-    )
+    lower, upper = (np.concatenate([getattr(contact, side) for _, contact in contacts]) for side in ("lower", "upper"))
+    turns = {"object_matrix": in_object, "object_axes": object_axes(cell, motion)} if np.any(in_object) else {}
+    return LimitRows.of(cell, names, lower, upper, wrench_matrix=in_base, **turns)
 
 
 def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; no rows if they are not enforced."""
     if not cell.enforces_velocity_limits:
-        return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
+        return LimitRows.of(cell, (), *np.zeros((2, 0)))
     names = joint_rows(cell, "velocity", "position_units", "/s")
     of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
     x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
     limit = np.append(cell.stacked("velocity_limit"), cell.object_velocity_limit)
-    return LimitRows.of(
-        cell,
-        names=names + of_object,
-        lower=np.append(-limit[:-2], [-np.inf, -np.inf]),  # the object's are sizes
-        upper=limit,
-        speed=np.column_stack([motion.dq, np.sqrt(x**2 + y**2 + z**2)]),
-    )
+    least = np.append(-limit[:-2], [-np.inf, -np.inf])  # the object's are sizes
+    speed = np.column_stack([motion.dq, np.sqrt(x**2 + y**2 + z**2)])
+    return LimitRows.of(cell, names + of_object, least, limit, speed=speed)
 
 
 class CurveRow(NamedTuple):
@@ -131,11 +106,5 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     limit, place = np.array([row.limit for row in rows]), [row.joint for row in rows]
     of_torque = np.array([row.slope is not None for row in rows], dtype=bool)
     slope: Array = np.array([1.0 if row.slope is None else row.slope for row in rows])
-    return LimitRows.of(
-        cell,
-        names=tuple(row.name for row in rows),
-        lower=-limit,
-        upper=limit,
-        torque_matrix=of_torque[:, None] * np.eye(motion.q.shape[1])[place],
-        speed=slope * motion.dq[:, place],
-    )
+    matrix, names = of_torque[:, None] * np.eye(motion.q.shape[1])[place], tuple(row.name for row in rows)
+    return LimitRows.of(cell, names, -limit, limit, torque_matrix=matrix, speed=slope * motion.dq[:, place])

@@ -24,22 +24,15 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | No
     """a⁻ <= q' r̈ + q'' ṙ² <= a⁺, one row a joint, and the sizes of the object's acceleration."""
     if not cell.limits_motion:
         return None
-    joints = LimitRows.of(
-        cell,
-        names=joint_rows(cell, "acceleration", "position_units", "/s²"),
-        lower=cell.stacked("acceleration_lower"),
-        upper=cell.stacked("acceleration_upper"),
-        rate=motion.dq,
-        square=motion.ddq,
-    ).bounded()
+    names = joint_rows(cell, "acceleration", "position_units", "/s²")
+    sides = map(cell.stacked, ("acceleration_lower", "acceleration_upper"))
+    pieces = [LimitRows.of(cell, names, *sides, rate=motion.dq, square=motion.ddq).bounded()]
     names = row_names("acceleration", "object", ("linear", "angular"), ("m/s²", "rad/s²"))
     rates, given = motion.object.twist.reshape(-1, 2, 3), motion.object.acceleration.reshape(-1, 2, 3)
-    norms = [
-        norm_rows(cell, name, rates[:, part], given[:, part], limit)
-        for part, (name, limit) in enumerate(zip(names, cell.object_acceleration_limit.tolist(), strict=True))
-        if np.isfinite(limit)
-    ]
-    return stack_rows([joints, *norms])
+    for part, (name, limit) in enumerate(zip(names, cell.object_acceleration_limit.tolist(), strict=True)):
+        if np.isfinite(limit):
+            pieces.append(norm_rows(cell, name, rates[:, part], given[:, part], limit))
+    return stack_rows(pieces)
 
 
 def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
@@ -69,18 +62,10 @@ def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
         axes, names = _facets(thing)
         turn = axes @ motion.object.rotation.transpose(0, 2, 1)
         rate, square = (np.einsum("nkj,nj->nk", turn, of) for of in object_point(motion, thing.centre))
-        pieces.append(
-            LimitRows.of(
-                cell,
-                names=[RowName("contact", "object", f"{thing.name} {what}", "m/s²", sides) for what, sides in names],
-                lower=np.full(len(axes), -np.inf),
-                upper=np.zeros(len(axes)),
-                rate=rate,
-                square=square,
-                offset=-turn @ cell.gravity,
-                size=size * np.abs(axes @ thing.axes[2]),
-            )
-        )
+        named = [RowName("contact", "object", f"{thing.name} {what}", "m/s²", sides) for what, sides in names]
+        none, terms = np.full(len(axes), -np.inf), {"rate": rate, "square": square, "offset": -turn @ cell.gravity}
+        sizes = size * np.abs(axes @ thing.axes[2])
+        pieces.append(LimitRows.of(cell, named, none, np.zeros(len(axes)), **terms, size=sizes))
     return stack_rows(pieces)
 
 
@@ -116,7 +101,7 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
         for key, of in (("rate", rate), ("square", square))
     }
     most, names = np.full(len(angle), limit), [replace(name, sides=NORM_SIDES)] * len(angle)
-    return LimitRows.of(cell, names=names, lower=-most, upper=most, **columns)
+    return LimitRows.of(cell, names, -most, most, **columns)
 
 
 def _unit(vectors: Array) -> Array:
@@ -128,15 +113,9 @@ def _unit(vectors: Array) -> Array:
 def _of_point(cell: Cell, owner: str, point: PointLimit, velocity: Array, acceleration: Array) -> list[LimitRows]:
     pieces, element = [], str(point.name)
     if point.speed is not None and cell.enforces_velocity_limits:
-        pieces.append(
-            LimitRows.of(
-                cell,
-                names=[RowName("velocity", owner, element, "m/s")],
-                lower=np.array([-np.inf]),
-                upper=np.array([point.speed]),
-                speed=np.linalg.norm(velocity, axis=1, keepdims=True),
-            )
-        )
+        names, limit = [RowName("velocity", owner, element, "m/s")], np.array([point.speed])
+        speed = np.linalg.norm(velocity, axis=1, keepdims=True)
+        pieces.append(LimitRows.of(cell, names, np.array([-np.inf]), limit, speed=speed))
     if point.acceleration is not None:
         name = RowName("acceleration", owner, element, "m/s²")
         pieces.append(norm_rows(cell, name, velocity, acceleration, point.acceleration))

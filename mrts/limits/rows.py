@@ -78,8 +78,8 @@ RATES = {"torque rate", "wrench rate", "jerk"}
 COLUMNS = ("rate", "speed", "square", "offset")
 """Attributes of rows with a number for each sample."""
 
-SAME_CIRCLE = 1e-6
-"""Share by which circles of some sides and of all sides of a polygon may differ: rounding of its author's numbers."""
+OF_ROWS = ("lower", "upper", "torque_matrix", "wrench_matrix", "object_matrix", "size")
+"""Attributes with an entry for each row."""
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -101,7 +101,7 @@ class RowName:
             or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
         sides: Of the regular polygon in a circle whose sides the rows of this name are, two of a row with two limits; 0
-            for a row of its own.
+            for a row of its own, as all of a limit of yours are.
     """
 
     kind: str
@@ -296,7 +296,7 @@ class LimitRows:
     size: Array | None = None
 
     @classmethod
-    def of(cls, cell: Cell, *, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
+    def of(cls, cell: Cell, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
         """Rows of a cell, with zeros for the matrices that are not given; `terms` are the other attributes."""
         matrices = {
             "torque_matrix": np.zeros((len(names), len(cell.joint_names))),
@@ -378,20 +378,11 @@ class LimitRows:
         if np.all(kept):
             return self
         places = np.flatnonzero(kept)
-        columns = {name: part for name, column in self.columns.items() if np.any(part := column[:, places])}
-        in_object = None if self.object_matrix is None else self.object_matrix[places]
-        turns = in_object is not None and bool(np.any(in_object))
-        return LimitRows(
-            names=tuple(compress(self.names, kept)),
-            lower=self.lower[places],
-            upper=self.upper[places],
-            torque_matrix=self.torque_matrix[places],
-            wrench_matrix=self.wrench_matrix[places],
-            object_matrix=in_object if turns else None,
-            object_axes=self.object_axes if turns else None,
-            **columns,
-            size=None if self.size is None else self.size[places],
-        )
+        some: dict[str, Any] = {}
+        for name, column in self.columns.items():
+            some[name] = column[:, places] if np.any(column[:, places]) else None
+        some |= {name: of[places] for name in OF_ROWS if (of := getattr(self, name)) is not None}
+        return replace(self, names=tuple(compress(self.names, kept)), **some)
 
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
@@ -500,8 +491,8 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
         raise
     if not isinstance(rows, LimitRows):
         raise InputError(where, f"must give LimitRows, not {type(rows).__name__}.")
-    if not all(isinstance(name, RowName) for name in rows.names):
-        raise InputError(where, "must name its rows by RowName.", key="names")
+    if not all(isinstance(name, RowName) and not name.sides for name in rows.names):
+        raise InputError(where, "must name its rows by RowName, without sides.", key="names")
     count, samples = len(rows.names), motion.samples
     wrenches = ((count, len(cell.robots) * len(cell.wrench_components)), "(r, wrench components of all arms)")
     shapes = {
@@ -533,37 +524,9 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
     if rows.object_matrix is not None and not np.array_equal(rows.object_axes, object_axes(cell, motion)):  # type: ignore[arg-type]  # None is not equal
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
-    _check_polygons(where, rows)
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
     if not in_order.all():
         row = int(np.argmin(in_order))
         rule = f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}."
         raise InputError(where, rule, key="lower, upper")
     return rows
-
-
-def _check_polygons(where: str, rows: LimitRows) -> None:
-    few, of_others = few_sides(rows.names), rows.of_forces | moved(rows.speed, len(rows.names))
-    for name, own in polygons(rows.names).items():
-        limits = np.stack([rows.upper[own], -rows.lower[own]])
-        sides = int(np.sum(np.isfinite(limits)))
-        if not sides == name.sides >= 3:  # noqa: PLR2004 (a triangle)
-            rule = f"{name}: its rows have {sides} limits and its polygon {name.sides} sides: as many, at least 3."
-            raise InputError(where, rule, key="names")
-        nothing = np.zeros((1, len(own)))
-        terms = np.stack(
-            np.broadcast_arrays(*(nothing if c is None else c[:, own] for c in (rows.rate, rows.square, rows.offset))),
-            axis=2,
-        )
-        both = np.stack([terms, -terms], axis=1)
-        both[..., 2] -= limits
-        whole, some = (
-            circle(both[:, np.isfinite(limits) & chosen], name.sides) for chosen in (np.ones(len(own), bool), few[own])
-        )
-        alike = all(
-            np.allclose(*of, rtol=SAME_CIRCLE, atol=SAME_CIRCLE * np.max(np.abs(of[0])))
-            for of in zip(whole, some, strict=True)
-        )
-        if np.any(of_others[own]) or not alike:
-            rule = f"{name}: must be the sides of a regular polygon in the plane of r̈ and ṙ², in their order."
-            raise InputError(where, rule, key="names")

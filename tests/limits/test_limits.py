@@ -176,6 +176,10 @@ WRONG_ROWS = {
     ),
     "nothing": (lambda _rows: None, "must give LimitRows, not NoneType"),
     "text": (lambda rows: replace(rows, names=("x", "y")), "names: must name its rows by RowName"),
+    "a polygon": (
+        lambda rows: replace(rows, names=tuple(replace(name, sides=4) for name in rows.names)),
+        "names: must name its rows by RowName, without sides",
+    ),
 }
 
 

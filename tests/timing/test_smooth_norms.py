@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.base.errors import InputError
-from mrts.cell.points import CarriedThing
+from mrts.cell.points import CarriedThing, PointLimit
 from mrts.limits import limit_rows, motion_limits
 from mrts.limits.motion_limits import norm_rows, object_point
 from mrts.limits.rows import RowName
@@ -24,19 +23,17 @@ def lift_and_turn():
     return mrts.load_motion(Path(mrts.__file__).parent / "data/dual_ur5/lift_and_turn.yaml")
 
 
-def corner_limit(cell, motion):
-    return norm_rows(cell, RowName("acceleration", "object", "corner", "m/s²"), *object_point(motion, CORNER), MOST)
-
-
 def sides_alone(cell, motion):
-    """The same, a row for each side."""
-    rows = corner_limit(cell, motion)
-    return replace(rows, names=tuple(replace(name, sides=0) for name in rows.names))
+    """A row for each side of the polygon of its acceleration."""
+    name = RowName("acceleration", "object", "corner", "m/s²")
+    rows = norm_rows(cell, name, *object_point(motion, CORNER), MOST)
+    return replace(rows, names=(name,) * len(rows.names))
 
 
 def test_smooth_timing_keeps_norms_themselves(dual_ur5, lift_and_turn, monkeypatch):
     """Polygons with more and more sides come near it, at the rate of their distance from the circle."""
-    best = mrts.retime(dual_ur5, lift_and_turn, rates=11.5, limits=[corner_limit], between=None)
+    point = PointLimit(name="corner", point=tuple(CORNER), acceleration=MOST)
+    best = mrts.retime(replace(dual_ur5, object_points=(point,)), lift_and_turn, rates=11.5, between=None)
     slower = []
     for sides in (224, 448, 896):
         monkeypatch.setattr(motion_limits, "NORM_SIDES", sides)
@@ -50,24 +47,6 @@ def test_smooth_timing_keeps_norms_themselves(dual_ur5, lift_and_turn, monkeypat
     use = next(use for use in best.retimed.limit_uses if use.name.element == "corner")
     assert use.largest == pytest.approx(np.max(size), rel=ROUNDING)
     assert use.share == pytest.approx(np.max(size) / MOST, rel=ROUNDING)
-
-
-@pytest.mark.parametrize("wrong", ["order", "speed", "force"])
-def test_a_polygon_of_another_plane_is_refused(wrong, dual_ur5, lift_and_turn):
-    """As a circle of r̈ and ṙ² it would be none: torques overstepped limits twofold."""
-    shuffled = np.random.default_rng(3).permutation(112)
-
-    def mixed(cell, motion):
-        rows = corner_limit(cell, motion)
-        if wrong == "order":
-            return replace(rows, rate=rows.rate[:, shuffled], square=rows.square[:, shuffled])
-        if wrong == "speed":
-            return replace(rows, speed=np.abs(rows.rate))
-        return replace(rows, wrench_matrix=rows.wrench_matrix + 1)
-
-    with pytest.raises(InputError) as refused:
-        mrts.retime(dual_ur5, lift_and_turn, limits=[mixed], rates=11.5)
-    assert refused.value.key == "names"
 
 
 def test_a_cup_takes_all_of_its_friction(dual_ur5, lift_and_turn):
