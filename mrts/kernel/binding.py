@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mrts.kernel.c_text import one_text
 
 NUMBERS: dict[str, Any] = {"int": ctypes.c_int, "long long": ctypes.c_longlong, "double": ctypes.c_double}
-NUMBERS |= {"mrts_real": ctypes.c_double}
+NUMBERS |= {"short": ctypes.c_short, "mrts_real": ctypes.c_double, "cell_real": ctypes.c_double}
 
 FUNCTION = re.compile(r"^MRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{", re.MULTILINE)
 
@@ -53,19 +53,23 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
 
 
 @cache
-def structure(file: str, name: str) -> Any:
-    """The class of a structure that a file of mrts/kernel/c defines or includes; pointers are addresses."""
-    found = re.search(
-        rf"typedef struct {{([^}}]*)}} {name};", re.sub(r"/\*.*?\*/", "", one_text((file,)), flags=re.DOTALL)
-    )
+def structure(file: str, name: str, **sizes: int) -> Any:
+    """The class of a structure that a file of mrts/kernel/c defines or includes; pointers are addresses.
+
+    Sizes are those of arrays that C knows by macros.
+    """
+    text = re.sub(r"/\*.*?\*/|^#.*?$", "", one_text((file,)), flags=re.DOTALL | re.MULTILINE)
+    found = re.search(rf"typedef struct {{([^}}]*)}} {name};", text)
     assert found is not None, name  # noqa: S101 (names of ours)
     fields: list[tuple[str, Any]] = []
     for declaration in found.group(1).split(";")[:-1]:
-        kind, *declarators = re.split(r"\s(?=\**\w+(?:\[\d+\])?(?:,|$))", declaration.strip().removeprefix("const "))
+        kind, *declarators = re.split(r"\s(?=\**\w+(?:\[\w+\])*(?:,|$))", declaration.strip().removeprefix("const "))
         for declarator in declarators:
-            stars, field, length = re.findall(r"(\**)(\w+)(?:\[(\d+)\])?", declarator)[0]
+            stars, field, lengths = re.findall(r"(\**)(\w+)((?:\[\w+\])*)", declarator)[0]
             of = ctypes.c_void_p if stars else NUMBERS.get(kind) or structure(file, kind)
-            fields.append((field, of * int(length) if length else of))
+            for length in reversed(re.findall(r"\w+", lengths)):
+                of *= int(length) if length.isdigit() else sizes[length]
+            fields.append((field, of))
     return type(name, (ctypes.Structure,), {"_fields_": fields})
 
 

@@ -42,7 +42,8 @@ OVERRIDE = "exported/cell_override"
 CALLS = "exported/override_calls"
 """What Python asks of it."""
 
-OURS_INCLUDED = re.compile(r'^#include "cell\w*\.h"\n', re.MULTILINE)
+GENERATED = re.compile(r'^#include "cell\w*\.h"\n', re.MULTILINE)
+"""Headers of an exported cell."""
 
 
 def one_file(name: str) -> str:
@@ -62,7 +63,8 @@ def one_text(names: tuple[str, ...]) -> str:
         if name in taken and name.endswith(".h"):
             return ""
         taken.add(name)
-        return INCLUDED.sub(lambda found: text(normpath(join(dirname(name), found.group(1)))), one_file(name))
+        ours = GENERATED.sub("", one_file(name)) if name.startswith("exported/") else one_file(name)
+        return INCLUDED.sub(lambda found: text(normpath(join(dirname(name), found.group(1)))), ours)
 
     return "\n".join(text(name) for name in names)
 
@@ -149,9 +151,8 @@ def override_source(manifest: Manifest, generated: str) -> str:
         "CELL_MOTORS": 1,
         "cell_model_played_torques": record.symbol,
     }
-    exported = OURS_INCLUDED.sub("", one_file(f"{OVERRIDE}.h") + one_file(f"{OVERRIDE}.c"))
-    head = function_source(generated, record.symbol) + one_text((f"{CALLS}.h",))
-    return f"{head}\n{_defined(macros)}{exported}{one_file(f'{CALLS}.c')}"
+    exported = one_text((f"{CALLS}.h", f"{OVERRIDE}.h", f"{OVERRIDE}.c", f"{CALLS}.c"))
+    return f"{function_source(generated, record.symbol)}\n{_defined(macros)}{exported}"
 
 
 def _functions(generated: str) -> tuple[str, dict[str, str]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.binding import INFINITY, work_arrays
+from mrts.kernel.binding import INFINITY, structure, work_arrays
 from mrts.kernel.cell_library import TERMS, CellLibrary, pointers
 from mrts.kernel.tracking import PATH, strided
 
@@ -22,17 +22,8 @@ def range_record(unknowns: int) -> np.dtype[np.void]:
     Of a variant with `status` `OPTIMAL` both ends are known; one with `INFEASIBLE` is so at `sample[0]`, and `rows[0]`
     are those that conflict. Rows are 1 + row at an upper, -1 - row at a lower limit; `count` of them set each end.
     """
-    return np.dtype(
-        [
-            ("status", np.int32),
-            ("capped", np.int32),
-            ("sample", np.int32, (2,)),
-            ("count", np.int32, (2,)),
-            ("rows", np.int32, (2, NAMED * unknowns)),
-            ("c2", np.float64, (2,)),
-        ],
-        align=True,
-    )
+    made: np.dtype[np.void] = np.dtype(structure("trajectory.c", "mrts_variant_range", MRTS_MOST_NAMED=NAMED * unknowns))
+    return made
 
 
 def variant_ranges(

@@ -16,7 +16,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.kernel.binding import INFINITY
-from mrts.kernel.override_library import node_type, override_library, plan_type, state_type
+from mrts.kernel.override_library import override_library, override_type
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes, turned
 from mrts.motion.rows_at_rest import REST
@@ -98,7 +98,10 @@ class PlayedTables:
         )
         self._geometry = np.ascontiguousarray(cell.geometry)
         addresses = {"nodes": self.nodes.ctypes.data, "geometry": self._geometry.ctypes.data, "count": len(self.nodes)}
-        self.c, self.state = np.zeros((), plan_type(len(cell.joint_names))), state_type(*_sizes(cell))
+        self.c, self.state = (
+            np.zeros((), override_type("cell_plan", *_sizes(cell))),
+            override_type("cell_override", *_sizes(cell)),
+        )
         for name in self.c.dtype.names or ():
             if name != "limits":  # names are looked up here
                 self.c[name] = addresses[name] if name in addresses else getattr(self.embedded, name)
@@ -290,7 +293,7 @@ def _sizes(cell: Cell) -> tuple[int, int]:
 def _plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
     """The tables of a plan as C reads them, Shape (n,)."""
     motion, axes = corners.motion, object_axes(cell, corners.motion)
-    nodes = np.zeros(motion.samples, node_type(*_sizes(cell)))
+    nodes = np.zeros(motion.samples, override_type("cell_plan_node", *_sizes(cell)))
     for name in ("q", "dq", "ddq"):
         nodes[name] = getattr(motion, name)
     nodes["dq"][np.abs(nodes["dq"]) <= REST * np.max(np.abs(nodes["dq"]))] = 0.0  # friction is against the way ahead
