@@ -22,7 +22,8 @@ def range_record(unknowns: int) -> np.dtype[np.void]:
     Of a variant with `status` `OPTIMAL` both ends are known; one with `INFEASIBLE` is so at `sample[0]`, and `rows[0]`
     are those that conflict. Rows are 1 + row at an upper, -1 - row at a lower limit; `count` of them set each end.
     """
-    made: np.dtype[np.void] = np.dtype(structure("trajectory.c", "mrts_variant_range", MRTS_MOST_NAMED=NAMED * unknowns))
+    record = structure("trajectory.c", "mrts_variant_range", MRTS_MOST_NAMED=NAMED * unknowns)
+    made: np.dtype[np.void] = np.dtype(record)
     return made
 
 
