@@ -23,13 +23,12 @@ examples:
   mrts check cell.yaml
   mrts check cell.yaml motion.yaml
   mrts check cell.yaml motion.yaml -q --json - | jq .hints
-  mrts check plan.csv --cell cell.yaml            the last look at a plan, whoever made it, before a robot moves
-  mrts check arm.urdf                             a URDF by itself, before there is a cell"""
+  mrts check plan.csv --cell cell.yaml            the last look at a plan, whoever made it, before a robot moves"""
 
 
 @options.command(EXAMPLES)
 @argument("cell", type=Named(), metavar="CELL|PLAN",
-          help="cell file, or a URDF by itself; with --cell a plan: a CSV table or a ROS 2 bag")  # fmt: skip
+          help="cell file; with --cell a plan: a CSV table or a ROS 2 bag")  # fmt: skip
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
           help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
 @option("--cell", "of_cell", type=Named(), metavar="CELL",

@@ -46,5 +46,4 @@ def run(
     with working(f"configurations of {limited.name}") as progress:
         study = rank_configurations(limited, given_motion, **given, progress=progress)
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
-    lines = study.table(show).split("\n", 1)
-    return Outputs(study, json).answer(lines, FEASIBLE if feasible else INFEASIBLE)
+    return Outputs(study, json).answer(study.lines(show), FEASIBLE if feasible else INFEASIBLE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Everything that is wrong with a cell and a motion, or with a URDF by itself, at once; how far each arm follows."""
+"""Everything that is wrong with a cell and a motion at once, and how far each arm follows."""
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,14 +19,11 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell, uncompiled_cell
-from mrts.cell.generation import arm_of_urdf, is_generated, read_urdf, read_without_generating
+from mrts.cell.generation import is_generated, read_without_generating
 from mrts.cell.remarks import (
     COLLISIONS_UNKNOWN,
     friction_sources,
-    joint_assumptions,
-    missing_masses,
     torque_source,
-    urdf_remarks,
 )
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.collisions.clearance import Clearance, clearance_remarks
@@ -36,9 +33,6 @@ from mrts.following.tracking import branches_at_start, follow_from
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.starting.arm import Arm, plane_of
-from mrts.starting.request import check_movable
-from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
 """What came of a check: "impossible" is a motion that an arm does not follow from its posture."""
@@ -106,7 +100,7 @@ class CellCheck(JsonOutput):
     """What `mrts.check` found.
 
     Attributes:
-        cell: The cell file, or the URDF; the name of a cell that was given itself.
+        cell: The cell file; the name of a cell that was given itself.
         motion: The motion's file, "motion" where it is none; None if none was given.
         mistakes: All that breaks a rule, in both files and the URDFs.
         robots: The arms, with their joints and limits; empty if something breaks a rule.
@@ -175,7 +169,7 @@ class CellCheck(JsonOutput):
         if self.status == "fine" and self.cell.is_file():
             yield ""
             file, motion = shlex.quote(str(self.cell)), shlex.quote(str(self.motion or "MOTION"))
-            yield f"next: mrts new DIR --robot {file}" if is_urdf(self.cell) else f"next: mrts scale {file} {motion}"
+            yield f"next: mrts scale {file} {motion}"
 
     def outcome(self) -> str:
         """What came of it, in a line."""
@@ -186,8 +180,7 @@ class CellCheck(JsonOutput):
             lost = [arm.robot for arm in self.arms if not arm.follows]
             who = f" {', '.join(lost)} do{'es' if len(lost) == 1 else ''} not follow it" if lost else ""
             return f"{self.cell.name}: the files are sound, but the motion is impossible{':' if who else ''}{who}"
-        sound = "the URDF is sound" if is_urdf(self.cell) else "the files are sound"
-        return f"{self.cell.name}: {sound}{', and the arms follow the motion' * (self.motion is not None)}"
+        return f"{self.cell.name}: the files are sound{', and the arms follow the motion' * (self.motion is not None)}"
 
     def to_json(self) -> dict[str, Any]:
         """All of it as values of JSON."""
@@ -214,20 +207,19 @@ def check(
     *,
     progress: Progress = lambda _done, _total: None,
 ) -> CellCheck:
-    """Check a cell file, its URDFs and a motion, and how far each arm follows it; or one URDF, before there is a cell.
+    """Check a cell file, its URDFs and a motion, and how far each arm follows it.
 
     Only the last needs a compiled library, a small one. What is wrong is found all at once and does not raise: it is
     listed in the answer.
 
     Args:
-        cell: The cell file, or a cell, which is checked as the cell file that it writes: without limits of your own;
-            or a URDF.
+        cell: The cell file, or a cell, which is checked as the cell file that it writes: without limits of your own.
         motion: As in `mrts.load_motion`, or what that gives, or a motion of the whole cell; None checks the cell alone.
         progress: Told how many of how many arms are done.
 
     Raises:
-        InputError: If an argument is none of these, the cell is a folder of generated files or no cell file can hold
-            it, or there is a motion beside a URDF.
+        InputError: If an argument is none of these, the cell is a URDF or a folder of generated files, or no cell
+            file can hold it.
     """
     check_callable("progress", progress)
     if isinstance(cell, Cell):
@@ -236,10 +228,8 @@ def check(
             cell.to_yaml(path)
             return replace(check(path, motion, progress=progress), cell=Path(cell.name))
     path = as_path("cell", cell)
-    if is_urdf(path):
-        if motion is not None:
-            raise InputError("motion", "does not go with a URDF, which is checked by itself.")
-        return _check_urdf(path)
+    if path.suffix.lower() in URDF_ENDINGS:
+        raise InputError(path, "is a URDF: give the cell file that names it; mrts new begins one.")
     named = None if motion is None else Path("motion") if isinstance(motion, OBJECTS) else as_path("motion", motion)
     if is_generated(path):
         raise InputError(path, "is generated; check the cell file that it was made from.")
@@ -293,32 +283,6 @@ def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | Coordin
     return replace(found, clearance=near, remarks=(*others, *said))
 
 
-def _check_urdf(path: Path) -> CellCheck:
-    read = read_urdf(path, Path(), str(path))
-    mistakes, tree, arms = Mistakes(read.mistakes), read.urdf, []
-    if tree is not None:
-        tips = [*hands(tree)]
-        if not tips:
-            mistakes.add(InputError(path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
-        for tip in tips:
-            with mistakes.noted():
-                arms.append(Arm(*arm_of_urdf(read.path, tree, first_link(tree, tips), tip), read.path))
-    robots = tuple(arm.robot for arm in arms)
-    remarks = [hint for arm in arms for hint in _urdf_hints(arm)]
-    remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots)]
-    return CellCheck(cell=path, mistakes=tuple(mistakes.found), robots=robots, remarks=tuple(remarks))
-
-
-def _urdf_hints(arm: Arm) -> Iterator[Remark]:
-    likely = [*urdf_remarks(arm.robot)]
-    yield from likely
-    try:
-        check_movable(arm, plane_of([arm]))
-    except InputError as error:
-        if error.rule not in {hint.text for hint in likely}:
-            yield Remark.hint("cannot-hold", f"{arm.robot.source.tip_link}: {error.rule}")
-
-
 def reach_of(arm: Cell, motion: ObjectMotion) -> ArmReach:
     """How far an arm follows the object, and from which posture it does where it does not from its own."""
     (robot,), count = arm.robots, len(motion.time)
@@ -352,11 +316,6 @@ def _nearest_limit(robot: Robot, motion: CoordinatedMotion) -> str:
         return "no joint has a position limit"
     left, unit, time = room[sample, joint], robot.position_units[joint], motion.object.time[sample]
     return f"{left:.3g} {unit} from the limit of '{robot.joints[joint]}' at t = {time:.3g} s"
-
-
-def is_urdf(path: Path) -> bool:
-    """Whether a file is a URDF, by its name."""
-    return path.suffix.lower() in URDF_ENDINGS
 
 
 def joint_table(robots: Sequence[Robot]) -> Iterator[str]:

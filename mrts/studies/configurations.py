@@ -2,6 +2,7 @@
 """All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
+from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, CollisionModel
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
@@ -22,7 +24,7 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.range_status import RangeStatus
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.options import Options
-from mrts.scaling.range import RangeEnd, ScalingRange
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.scale import admissible_range
 
 
@@ -79,58 +81,39 @@ class ConfigurationStudy(JsonOutput):
     branches: dict[str, list[Branch]]
     ranked: tuple[Configuration, ...]
 
-    @property
-    def combinations(self) -> int:
-        """Number of combinations of branches that reach the end."""
-        return len(self.ranked)
-
     def __repr__(self) -> str:
-        return f"<ConfigurationStudy: {self.combinations} configurations reach the end>"
+        return f"<ConfigurationStudy: {len(self.ranked)} configurations reach the end>"
 
-    def table(self, rows: int) -> str:
-        """The best configurations and the branches that they are made of, as text.
-
-        Args:
-            rows: Most configurations to show.
-        """
+    def lines(self, rows: int) -> Iterator[str]:
+        """The best configurations, so many at most, and the branches that they are made of, for people."""
         kinds = Counter(b.failure.kind for every in self.branches.values() for b in every if b.failure is not None)
         lost = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        lines = [f"{self.combinations} configurations reach the end, by falling c²⁺"]
-        lines[0] += f"; branches left out: {lost}:" if lost else ":"
-
-        def told(near: Clearance) -> str:
-            return "collides" if near.collides else f"{1e3 * near.distance:.3g} mm" if near.pair else "-"
-
-        names = [*self.branches]
-        near = f"  {'clearance':>10}" if any(one.clearance for one in self.ranked) else ""
-        lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}{near}  limited at")
-        for rank, configuration in enumerate(self.ranked[:rows], start=1):
-            numbers = "  ".join(f"{branch.number:>8}" for branch in configuration.branches)
-            c2 = f"{configuration.c2_upper:#.4g}" if np.isfinite(configuration.c2_upper) else "-"
-            near = "" if configuration.clearance is None else f"  {told(configuration.clearance):>10}"
-            lines.append(f"{rank:>4}  {numbers}  {c2:>9}{near}  {outcome(configuration)}")
-        lines.append("\nbranches at t = 0 (rad, m; a line is a `posture` for the cell file):")
-        for branches in self.branches.values():
+        left_out = f"; branches left out: {lost}" if lost else ""
+        yield f"{len(self.ranked)} configurations reach the end, by falling c²⁺{left_out}:"
+        table = [("rank", *self.branches, "c²⁺", "clearance", "limited at")]
+        for rank, one in enumerate(self.ranked[:rows], start=1):
+            c2 = f"{one.c2_upper:#.4g}" if np.isfinite(one.c2_upper) else "-"
+            numbers = [str(branch.number) for branch in one.branches]
+            table.append((str(rank), *numbers, c2, _near(one.clearance), outcome(one)))
+        if not any(one.clearance for one in self.ranked):
+            table = [(*row[:-2], row[-1]) for row in table]
+        yield from aligned(table)
+        yield ""
+        yield "branches at t = 0 (rad, m; a line is a `posture` for the cell file):"
+        for name, branches in self.branches.items():
             good = [branch for branch in branches if branch.failure is None]
             for branch in good:
-                start = ", ".join(f"{value:.4f}" for value in branch.start)
-                lines.append(f"{branch.robot:>8} {branch.number:>3}  [{start}]")
+                yield f"{name:>8} {branch.number:>3}  [{', '.join(f'{value:.4f}' for value in branch.start)}]"
             if not good and branches[0].failure is not None:
-                lines.append(f"{branches[0].robot:>8}   -  none; the first: {branches[0].failure.message}")
-        return "\n".join(lines)
+                yield f"{name:>8}   -  none; the first: {branches[0].failure.message}"
 
     def to_json(self) -> dict[str, Any]:
         """The whole study as JSON values."""
-
-        def c2(found: ScalingRange, end: RangeEnd | None) -> float | None:
-            return end.c2 if found.status.admits_motion and end is not None and np.isfinite(end.c2) else None
-
         ranked = [
             {
                 "branches": {branch.robot: branch.number for branch in one.branches},
                 "postures": one.postures(),
-                "status": one.range.status.value,
-                "c2": {"lower": c2(one.range, one.range.lower), "upper": c2(one.range, one.range.upper)},
+                **one.range.to_json(),
                 "outcome": outcome(one),
                 "clearance": one.clearance and one.clearance.to_json(),
             }
@@ -143,7 +126,13 @@ class ConfigurationStudy(JsonOutput):
             ]
             for name, of_robot in self.branches.items()
         }
-        return {"combinations": self.combinations, "ranked": ranked, "branches": branches}
+        return {"combinations": len(self.ranked), "ranked": ranked, "branches": branches}
+
+
+def _near(clearance: Clearance | None) -> str:
+    if clearance is None or clearance.pair is None:
+        return "-"
+    return "collides" if clearance.collides else f"{1e3 * clearance.distance:.3g} mm"
 
 
 def rank_configurations(
@@ -205,18 +194,16 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Trac
     tracks = follow_from(cell, motion, start)
     branches: dict[str, list[Branch]] = {}
     for index, (robot, of_robot) in enumerate(zip(cell.robots, starts, strict=True)):
-        branches[robot.name] = [_branch(cell, tracks, index, number, start) for number, start in enumerate(of_robot)]
+        branches[robot.name] = []
+        for number, held in enumerate(of_robot):
+            failure = tracks.of_arm(number, index)
+            own = tracks.q[number, 0, cell.joint_slices[robot.name]] if failure is None else held
+            branches[robot.name].append(Branch(robot.name, number + 1, own, failure))
         if not len(of_robot):
             message = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
             failure = TrackingFailure(OUT_OF_REACH, message, 0)
             branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
     return tracks, branches
-
-
-def _branch(cell: Cell, tracks: TrackedVariants, index: int, number: int, start: Array) -> Branch:
-    robot, failure = cell.robots[index], tracks.of_arm(number, index)
-    followed = tracks.q[number, 0, cell.joint_slices[robot.name]]
-    return Branch(robot.name, number + 1, followed if failure is None else start, failure)
 
 
 def _evaluate(

@@ -148,27 +148,13 @@ BROKEN = {
 def test_all_that_is_wrong_is_told_once(name, tmp_path, capsys):
     changes, keys = BROKEN[name]
     path = changed(tmp_path, *changes)
-    assert main(["check", str(path), "-q", "--json", "-"]) == 2
+    cell, motion = sound()
+    for robot in cell["robots"]:
+        robot["urdf"] = path.name
+    files = written(tmp_path, cell, motion)
+    assert main(["check", *map(str, files), "-q", "--json", "-"]) == 2
     told = json.loads(capsys.readouterr().out)
     assert told["status"] == "wrong-input"
     assert [mistake["key"] or "" for mistake in told["mistakes"]] == keys
     assert main(["new", str(tmp_path / "new"), "--robot", str(path)]) == 2
     assert told["mistakes"][0]["rule"] in capsys.readouterr().err
-
-
-def test_a_sound_arm_with_its_numbers(tmp_path, capsys):
-    path = changed(tmp_path)
-    assert main(["check", str(path)]) == 0
-    assert "arm.urdf: the URDF is sound\n" in capsys.readouterr().out
-    found = mrts.check(path)
-    (arm,) = found.robots
-    assert (arm.name, arm.torque_upper.tolist()) == ("tool0", [150, 150, 150, 28, 28, 28])
-    assert sum(arm.source.carried_mass) == pytest.approx(17.05, abs=0.01)
-    assert (found.hints, found.warnings) == ((), ())
-
-
-def test_why_an_arm_can_hold_nothing(tmp_path):
-    fixed = changed(tmp_path, (r'name="wrist_3_turn" type="revolute"', 'name="wrist_3_turn" type="fixed"'))
-    found = mrts.check(fixed)
-    assert (found.status, [remark.code for remark in found.hints]) == ("fine", ["cannot-hold"])
-    assert "has 5 joints" in found.hints[0].text
