@@ -59,10 +59,10 @@ def run(
     answer = [f"{study.name}: {asked.variants} variants: {told}"]
     answer += [f"best: variant {variant}, {duration:.4g} s" for variant, duration in [*best.items()][:1]]
     if plot is not None:
-        from mrts.plots import durations_plot, read_study_table, study_map_plot, write_plots
+        from mrts.plots import durations_plot, numbers_plot, read_study_table, write_plots
 
         table = read_study_table(folder.path)
-        outputs.write(plot, lambda to: write_plots([durations_plot(table), study_map_plot(table)], to, plot_format))
+        outputs.write(plot, lambda to: write_plots([durations_plot(table), numbers_plot(table)], to, plot_format))
     return outputs.answer(answer, FEASIBLE if counts["feasible"] + counts["unbounded"] else INFEASIBLE)
 
 

@@ -10,7 +10,7 @@ from mrts.plots.range_plots import load_plot as load_plot
 from mrts.plots.range_plots import load_study_plot as load_study_plot
 from mrts.plots.range_plots import range_plot as range_plot
 from mrts.plots.study_plots import durations_plot as durations_plot
-from mrts.plots.study_plots import study_map_plot as study_map_plot
+from mrts.plots.study_plots import numbers_plot as numbers_plot
 from mrts.plots.study_table import managed_texts as managed_texts
 from mrts.plots.study_table import read_study_table as read_study_table
 from mrts.plots.trajectory_plots import limits_plot as limits_plot

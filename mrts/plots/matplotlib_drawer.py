@@ -10,8 +10,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from mrts.base.argument_types import as_path, check_type
@@ -20,7 +18,7 @@ from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.plots import FIGURE_FORMATS
 from mrts.plots.labels import LONGEST_LABEL, shortened
-from mrts.plots.plot import Band, HeatMap, Item, Line, Panel, Plot, Points
+from mrts.plots.plot import Item, Line, Panel, Plot, Points
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
@@ -157,8 +155,7 @@ def _draw(axes: Axes, panel: Panel, longest: int, *, labelled: bool) -> None:
             tick.label1.set(color=color, fontweight="bold" if strong else "normal")
     if panel.note:
         axes.text(0.5, 0.5, _plain(panel.note), transform=axes.transAxes, ha="center", va="center")
-    if not any(isinstance(item, HeatMap) for item in panel.items):
-        axes.grid(visible=True, alpha=0.3, axis="x" if panel.y.names else "both")
+    axes.grid(visible=True, alpha=0.3, axis="x" if panel.y.names else "both")
     axes.set_axisbelow(True)
 
 
@@ -167,13 +164,9 @@ def _add(axes: Axes, item: Item) -> None:
         _add_line(axes, item)
     elif isinstance(item, Points):
         _add_points(axes, item)
-    elif isinstance(item, Band):
+    else:
         look: dict[str, Any] = {"color": item.color, "alpha": item.opacity, "label": _label(item.label) or "_"}
         axes.fill_between(item.x, item.lower, item.upper, linewidth=0, **look)
-    elif item.names:
-        _add_named_cells(axes, item)
-    else:
-        _add_heat_map(axes, item)
 
 
 def _add_line(axes: Axes, line: Line) -> None:
@@ -197,20 +190,3 @@ def _add_points(axes: Axes, points: Points) -> None:
             _plain(text), (x, y), xytext=(-8 if right else 8, -12 if points.below else 10), textcoords="offset points",
             ha="right" if right else "left", va="center", fontsize="small", bbox=BEHIND_TEXT, zorder=6,
         )  # fmt: skip
-
-
-def _add_heat_map(axes: Axes, heat: HeatMap) -> None:
-    values = np.ma.masked_invalid(heat.z)
-    colors = LinearSegmentedColormap.from_list("mrts", list(heat.colors))
-    mesh = axes.pcolormesh(heat.x, heat.y, values, cmap=colors, vmin=heat.low, vmax=heat.high)
-    beyond = "max" if values.count() and float(np.max(values)) > heat.high else "neither"
-    axes.figure.colorbar(mesh, ax=axes, label=_plain(heat.title), extend=beyond)
-
-
-def _add_named_cells(axes: Axes, cells: HeatMap) -> None:
-    for code in cells.found:
-        row, column = np.nonzero(cells.z == code)
-        left, right, low, high = cells.x[column], cells.x[column + 1], cells.y[row], cells.y[row + 1]
-        corners = np.stack([left, low, right, low, right, high, left, high], axis=1).reshape(-1, 4, 2)
-        color, label = cells.colors[code], _label(cells.names[code])
-        axes.add_collection(PolyCollection(list(corners), label=label, facecolor=color, edgecolor=color, linewidth=0.2))

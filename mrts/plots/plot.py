@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 
@@ -83,31 +82,7 @@ class Band:
     opacity: float = 1.0
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class HeatMap:
-    """Cells whose colours are values, NaN where one is empty, Shape (rows, columns); edges `x` and `y` have one more.
-
-    `low` and `high` have the first and the last colour, which values beyond have too. With `names` a value is the
-    number of a name, which has a colour of its own; the legend has those that some cell has.
-    """
-
-    x: Array
-    y: Array
-    z: Array | NDArray[np.int_]
-    colors: Sequence[str]
-    texts: Sequence[Sequence[str]]
-    low: float = 0.0
-    high: float = 1.0
-    title: str = ""
-    names: Sequence[str] = ()
-
-    @property
-    def found(self) -> list[int]:
-        """Numbers of the names that some cell has."""
-        return [code for code in range(len(self.names)) if np.any(self.z == code)]
-
-
-Item = Line | Points | Band | HeatMap
+Item = Line | Points | Band
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.printable import printable
 from mrts.plots.labels import shortened, shortened_apart
-from mrts.plots.plot import Axis, Band, HeatMap, Item, Line, Panel, Plot, Points
+from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Points
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""
@@ -39,8 +39,7 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
     """Traces ("data"), "layout", which holds its height, and "clock" of a plot whose panels stand below each other."""
     panels = [panel for row in plot.rows for panel in row]
     heights = [_height(panel) for panel in panels]
-    maps = any(isinstance(item, HeatMap) and not panel.y.names for panel in panels for item in panel.items)
-    closest = maps or not any(isinstance(item, Line) for item in panels[0].items)
+    closest = not any(isinstance(item, Line) for item in panels[0].items)
     shape: dict[str, Any] = {
         "font": FONT,
         "margin": {"l": 64, "r": 34, "t": 12, "b": 48},
@@ -120,7 +119,7 @@ def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:
         return _line(item, panel)
     if isinstance(item, Points):
         return [_points(item, panel.x)]
-    return [_band(item, panel.y)] if isinstance(item, Band) else _heat_map(item)
+    return [_band(item, panel.y)]
 
 
 def _named(label: str) -> dict[str, Any]:
@@ -181,24 +180,3 @@ def _band(band: Band, y: Axis) -> dict[str, Any]:
     opaque = f"{band.color}{round(255 * band.opacity):02x}" if band.opacity < 1 else band.color
     look = {"mode": "lines", "line": {"width": 0}, "fill": "toself", "fillcolor": opaque, "hoverinfo": "skip"}
     return {"x": numbers(x), "y": numbers(y_values)} | look | _named(band.label)
-
-
-def _heat_map(heat: HeatMap) -> list[dict[str, Any]]:
-    texts = [[plot_text(text).replace("\n", "<br>") for text in row] for row in heat.texts]
-    own: dict[str, Any] = {"type": "heatmap", "x": numbers(heat.x), "y": numbers(heat.y), "hoverongaps": False}
-    own |= {"text": texts, "hovertemplate": "%{text}<extra></extra>"}
-    if not heat.names:
-        scale = list(zip(np.linspace(0, 1, len(heat.colors)).tolist(), heat.colors, strict=True))
-        bar = {"title": {"text": plot_text(heat.title), "side": "right"}, "thickness": 14}
-        ends = {"zmin": heat.low, "zmax": heat.high, "colorscale": scale, "colorbar": bar}
-        return [own | ends | {"z": numbers(np.asarray(heat.z, dtype=np.float64))}]
-    count = len(heat.names)
-    steps = [[end / count, color] for code, color in enumerate(heat.colors) for end in (code, code + 1)]
-    ends = {"zmin": -0.5, "zmax": count - 0.5, "colorscale": steps, "showscale": False}
-    marker = {"symbol": "square", "size": 12, "line": {"width": 1, "color": "#666"}}
-    keys = [
-        {"x": [None], "y": [None], "mode": "markers", "marker": marker | {"color": heat.colors[code]}}
-        | _named(heat.names[code])
-        for code in heat.found
-    ]
-    return [own | ends | {"z": numbers(np.where(heat.z < 0, np.nan, heat.z))}, *keys]

@@ -182,11 +182,6 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequenc
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
     """Start and end [s] of spans of samples that count, Shape (N,), each reaching half way to its neighbours."""
     edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
-    return neighbours(edges, where)
-
-
-def neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Ends of neighbouring cells as one."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
     return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
 

@@ -113,11 +113,6 @@ class StudyTable:
         """Rows of the variants that have a duration, the shortest first; of equals, that with the lower number."""
         return fastest_first(self.rows["variant"].to_numpy(), np.where(self.admitted, self.duration, np.nan))
 
-    @cached_property
-    def outcome(self) -> Index:
-        """What became of each variant: its place in `OUTCOMES`, Shape (V,)."""
-        return np.asarray(self.rows["status"].cat.codes, dtype=int)
-
     def limits(self, row: int) -> list[str]:
         """The limits that bind at c²⁺ of a variant; none where nothing does."""
         names = self.rows["upper_limit"].iloc[row]
@@ -132,7 +127,7 @@ class StudyTable:
 
     def outcome_counts(self, rows: NDArray[np.bool_]) -> list[tuple[str, int]]:
         """How many of some variants, Shape (V,), have each outcome, the most frequent first."""
-        counts = Counter(dict(zip(OUTCOMES, np.bincount(self.outcome[rows], minlength=len(OUTCOMES)), strict=True)))
+        counts = Counter(dict(self.rows["status"][rows].value_counts(sort=False)))
         return [(name, int(count)) for name, count in counts.most_common() if count]
 
     def reasons(self) -> list[tuple[str, str, int]]:
@@ -202,15 +197,15 @@ def best_text(table: StudyTable) -> str:
     """The best variant and what limits it; where there is none, so."""
     if not len(table.ranked):
         return "no variant has a shortest duration"
-    row = int(table.ranked[0])
-    text = f"the best is {variant_text(table, row)}"
-    return f"{text}, limited by {first_names(limits, MOST_NAMES)}" if (limits := table.limits(row)) else text
+    return f"the best is {variant_text(table, int(table.ranked[0]))}"
 
 
 def variant_text(table: StudyTable, row: int) -> str:
-    """Number, duration and c²⁺ of a variant; a speed that varies may be possible where no constant c² is."""
-    text = f"variant {table.rows['variant'].iloc[row]}: {table.duration[row]:.4g} s"
-    return f"{text}, c² = {table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else text
+    """Number, duration, c²⁺ and limits of a variant; a speed that varies may be possible where no constant c² is."""
+    parts = [f"variant {table.rows['variant'].iloc[row]}: {table.duration[row]:.4g} s"]
+    parts += [f"c² = {table.c2[row]:.4g}"] if np.isfinite(table.c2[row]) else []
+    parts += [f"limited by {first_names(limits, MOST_NAMES)}"] if (limits := table.limits(row)) else []
+    return ", ".join(parts)
 
 
 def managed(table: StudyTable, share: int) -> float | None:

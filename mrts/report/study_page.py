@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page of a study: what was varied, what became of the variants, the best, and what matters."""
+"""The page of a study: what was varied, what became of the variants, the best, and what limits them."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from mrts.base.arrays import Array
 from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
 from mrts.plots import study_table as words
-from mrts.plots.study_plots import durations_plot, map_remark, study_map, study_map_plot, weights
+from mrts.plots.study_plots import durations_plot, numbers_plot
 from mrts.plots.study_table import OUTCOMES, StudyTable, best_part, percent
 from mrts.report.document import document
 from mrts.report.tables import Entry, Styled, Table, bar, more
@@ -34,11 +34,9 @@ def study_html(found: StudyTable) -> str:
         best_table=_best_table,
         durations_plot=durations_plot,
         limits_table=_limits_table,
-        map_remark=map_remark(found, study_map(found)),
-        study_map_plot=study_map_plot,
+        numbers_plot=numbers_plot,
         outcomes_table=_outcomes_table,
         reasons_table=_reasons_table,
-        weights_table=_weights_table,
     )
 
 
@@ -68,13 +66,6 @@ def _span(values: Array) -> str:
     low, high = float(np.min(values)), float(np.max(values))
     digits = 3 - int(np.floor(np.log10(high - low))) if high > low else 12
     return f"{round(low, digits) + 0.0:.4g} … {round(high, digits) + 0.0:.4g}"
-
-
-def _weights_table(found: StudyTable) -> Table:
-    shares = zip(found.knobs, weights(found), strict=True)
-    ranked = sorted(shares, key=lambda entry: -float(np.max(entry[1])))
-    rows = [(knob.path, bar(float(duration)), bar(float(playable))) for knob, (duration, playable) in ranked]
-    return Table(("number", "of how the durations spread", "of whether it can be played"), rows)
 
 
 def _limits_table(found: StudyTable) -> Table:

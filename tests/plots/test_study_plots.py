@@ -4,18 +4,13 @@ import numpy as np
 import pytest
 from found_studies import ELBOW, FORCE, drawn_study, found_study, grid_study, kinds
 from legible_figures import check_legible
-from scipy.stats import binned_statistic_2d, norm
+from scipy.stats import binned_statistic
 
-from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_plots
-from mrts.plots.plot import HeatMap, Line, Points, one_panel
-from mrts.plots.plotly_drawer import plotly_figure
-from mrts.plots.study_plots import LIMIT_COLOURS, MOST_CELLS, map_binding, map_remark, study_map, weights
+from mrts.plots import durations_plot, matplotlib_figure, numbers_plot, write_plots
+from mrts.plots.plot import Line, Points
 from mrts.plots.study_table import managed
 
 KINDS = kinds()
-
-GROUPED = 0.03
-"""Share by which twenty groups of 40 000 variants may be off what infinitely many would tell."""
 
 
 def only(panel, kind):
@@ -27,31 +22,25 @@ def only(panel, kind):
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_study_has_legible_figures(name, tmp_path):
     table = KINDS[name]
-    plots = [durations_plot(table), study_map_plot(table)]
+    plots = [durations_plot(table), numbers_plot(table)]
     write_plots(plots, tmp_path / "out")
     names = {path.stem for path in (tmp_path / "out").iterdir()}
-    assert names == {"durations", "map" if len(table.knobs) > 1 else "line"}
+    assert names == {"durations", "numbers"}
     for plot in plots:
         check_legible(matplotlib_figure(plot))
 
 
-def test_the_map_is_the_durations_of_the_best():
+def test_each_number_has_the_best_of_all_others():
     table = grid_study()
-    left, right = study_map_plot(table).rows[0]
-    heat, without = (item for item in left.items if isinstance(item, HeatMap))
-    np.testing.assert_array_equal(heat.z, table.duration.reshape(12, 9).T)
-    assert heat.low == np.nanmin(table.duration)
-    counts = {without.names[code]: np.count_nonzero(without.z == code) for code in without.found}
-    missing = np.count_nonzero(np.isnan(table.duration)) - 27
-    assert counts == {"unreachable": 27, "infeasible": missing}
-    star = only(left, Points)
-    assert [star.x[0], star.y[0]] == table.values[table.ranked[0]].tolist()
-    limits, _ = (item for item in right.items if isinstance(item, HeatMap))
-    assert list(limits.names) == [FORCE, ELBOW]
-    scales = [trace["colorscale"] for panel in (left, right)
-              for trace in plotly_figure(one_panel("map", panel))["data"] if "colorscale" in trace]  # fmt: skip
-    assert [(scale[0][0], scale[-1][0]) for scale in scales] == [(0, 1)] * 4
-    assert np.count_nonzero(limits.z >= 0) == np.count_nonzero(np.isfinite(table.duration))
+    ((left, right),) = numbers_plot(table).rows
+    durations = table.duration.reshape(12, 9)
+    np.testing.assert_array_equal(only(left, Line).y[3:], np.nanmin(durations[3:], axis=1))
+    assert np.all(np.isnan(only(left, Line).y[:3]))  # unreachable
+    np.testing.assert_array_equal(only(right, Line).y, np.nanmin(durations, axis=0))
+    star, (x, y) = only(left, Points), table.values[table.ranked[0]]
+    assert [star.x[0], star.y[0]] == [x, np.nanmin(durations)]
+    assert [text.endswith(FORCE) for text in only(left, Line).texts] == (only(left, Line).x >= 0.5).tolist()
+    assert only(right, Points).x == [y]
 
 
 def test_the_curve_is_a_share_of_all_variants():
@@ -87,30 +76,12 @@ def test_the_ranking_is_by_duration_then_number():
     assert table.admitted.tolist() == [True, True, False, True, True, True]
 
 
-def test_cells_of_drawn_points_show_the_best_of_theirs():
+def test_points_of_drawn_variants_show_the_best_of_theirs():
     table = drawn_study(2000, 3)
-    drawn = study_map(table)
-    assert 2 < drawn.best.shape[0] == drawn.best.shape[1] <= MOST_CELLS
-    assert "other number; knob 0 and knob 1" in map_remark(table, drawn)
-    has = np.isfinite(table.duration)
-    points = np.delete(table.values, 2, axis=1)
-    least = binned_statistic_2d(*points[has].T, table.duration[has], "min", drawn.edges).statistic.T
-    np.testing.assert_array_equal(drawn.durations(table), np.where(np.isnan(least), np.nan, least))
-    count = binned_statistic_2d(*points.T, None, "count", drawn.edges).statistic.T
-    np.testing.assert_array_equal(drawn.outcome >= 0, (count > 0) & (drawn.best < 0))
-
-
-@pytest.mark.parametrize("share", [0.3, 0.95])
-def test_a_number_explains_what_the_normal_distribution_says(share):
-    """Ranks of a x + b z, all normal: x explains (6/π) arcsin(a²/2), by the arcsine law of two correlated ones."""
-    rng = np.random.default_rng(3)
-    values = rng.normal(size=(40_000, 3))
-    spread = share * values[:, 0] + np.sqrt(1 - share**2) * values[:, 1]
-    found = weights(found_study(values, norm.cdf(spread) + 1))
-    for knob, factor in ((0, share), (1, np.sqrt(1 - share**2)), (2, 0.0)):
-        assert found[knob] == pytest.approx([6 / np.pi * np.arcsin(factor**2 / 2), 0.0], abs=GROUPED)
-    duration = np.where(values[:, 2] > 0, np.nan, 1.0)
-    assert weights(found_study(values, duration))[:, 1] == pytest.approx([0.0, 0.0, 1.0], abs=GROUPED)
+    has, values = np.isfinite(table.duration), table.values[:, 0]
+    line = only(numbers_plot(table).rows[0][0], Line)
+    edges = np.linspace(np.min(values), np.max(values), len(line.x) + 1)
+    np.testing.assert_array_equal(line.y, binned_statistic(values[has], table.duration[has], "min", edges).statistic)
 
 
 @pytest.mark.parametrize("share", [1, 84, 86, 100])
@@ -119,16 +90,3 @@ def test_the_share_that_manages_a_duration_is_a_quantile_of_all(share):
     all_of_them = np.where(np.isnan(table.duration), np.inf, table.duration)
     expected = np.quantile(all_of_them, share / 100, method="inverted_cdf")
     assert (managed(table, share) or np.inf) == expected
-
-
-def test_limits_beyond_the_colours_share_the_last():
-    table = KINDS["eleven limits"]
-    drawn = study_map(table)
-    names, codes = map_binding(table, drawn)
-    assert len(names) == len(LIMIT_COLOURS)
-    assert names[-1] == "5 other limits"
-    for place, row in np.ndenumerate(drawn.best):
-        if row >= 0:
-            (name,), shown = table.limits(row), names[codes[place]]
-            assert shown == name or (shown == names[-1] and name not in names)
-    assert np.all((codes < 0) == (drawn.best < 0))

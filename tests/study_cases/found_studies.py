@@ -61,9 +61,4 @@ def kinds():
         "one variant": found_study(np.array([[0.5, 2.0, -1.0]]), np.array([0.4])),
         "all alike": found_study(apart, np.full(20, 0.4)),
         "unbounded": found_study(apart, np.full(20, np.nan), status=["unbounded"] * 20),
-        "eleven limits": found_study(
-            rng.uniform(0, 1, (300, 2)),
-            rng.uniform(0.3, 1, 300),
-            limit=[f"left/joint_{k % 11} torque" for k in range(300)],
-        ),
     }
