@@ -41,21 +41,6 @@ SIDES: dict[ChangeKind, tuple[str, ...]] = {
 OF_POINT: dict[ChangeKind, str] = {"velocity": "speed", "acceleration": "acceleration"}
 """What a limited point calls a limit of the kinds that it has."""
 
-SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
-    "torque": ("a torque limit", "torque limits"),
-    "wrench": ("a contact wrench limit", "contact wrench limits"),
-    "contact": ("a contact", "contacts"),
-    "velocity": ("a velocity limit", "velocity limits"),
-    "acceleration": ("an acceleration limit", "acceleration limits"),
-    "motor speed": ("the speed of a motor", "speeds of motors"),
-    "reserve": ("the reserve", "reserves"),
-    "mass": ("the mass", "masses"),
-    "base": ("a coordinate of a base", "coordinates of bases"),
-    "grasp": ("a coordinate of a grasp", "coordinates of grasps"),
-}
-"""What one and what several changes of a kind are called."""
-
-
 Step = Annotated[float, Rule(ge=1e-9, le=0.9)]
 """Whatever its unit: the programs are right to 1e-9."""
 

@@ -158,7 +158,7 @@ def run(
         plan = None if plan is None or plan.trajectory is None else plan if rate is None else plan.at_rate(rate)
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = Outputs(found, json)
-        _write(outputs, found, plan, files, partial(write, search=search))
+        _write(outputs, found, plan, files, write)
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
     code = outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
@@ -289,7 +289,6 @@ def _write_file(
     *,
     merged: bool,
     plot_format: str,
-    search: "ReserveSearch | None" = None,
 ) -> None:
     if name == "save":
         from mrts.output.saved_result import save_result
@@ -306,7 +305,7 @@ def _write_file(
     elif name == "plot":
         from mrts.plots import result_plots, write_plots
 
-        write_plots(result_plots(found, search), path, plot_format)
+        write_plots(result_plots(found), path, plot_format)
     else:
         from mrts.report import write_report
 

@@ -164,10 +164,9 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
 
 def _saved_clip(name: str, result: "ScalingResult") -> "Clip":
     from mrts.plots.card import answer_card
-    from mrts.plots.limit_shares import played
     from mrts.scene.renderer import Clip
 
-    return Clip(name, played(result), answer_card(result))
+    return Clip(name, result.done, answer_card(result))
 
 
 def _side_clip(

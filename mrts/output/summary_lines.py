@@ -6,9 +6,7 @@ from typing import TYPE_CHECKING
 
 from mrts.base.words import aligned
 from mrts.plots.card import Card
-from mrts.plots.labels import range_text
-from mrts.plots.range_plots import ranked_loads
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import Result, ScalingResult
 
 if TYPE_CHECKING:
     from mrts.scaling.loads import LoadStudy
@@ -70,17 +68,17 @@ def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
     effort = "" if found.smooth is None else f", ∫ τᵀWτ dt = {found.effort:.4g}"
     energy = f"{found.retimed.trajectory.energy:.4g} J{effort}"
     yield f"energy {energy}; torques for a load of {found.retimed.cell.mass:.4g} kg\n"
-    yield from _limit_lines(found.retimed, card)
+    yield from _limit_lines(found, card)
 
 
-def _limit_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
+def _limit_lines(result: Result, card: Card | None) -> Iterator[str]:
     table = result.limits_table()
     yield from card.lines() if card is not None else aligned([table.head, *table.rows])
 
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:
-    for index in ranked_loads(study)[:LOADS_SHOWN]:
-        yield f"  {range_text(study.ranges[index]):<20} {study.points[index]}"
+    table = study.table()
+    yield from (f"  {line}" for line in aligned([table.head, *table.rows[:LOADS_SHOWN]]) if table.rows)
     if len(study.ranges) > LOADS_SHOWN:
         yield f"  … and {len(study.ranges) - LOADS_SHOWN} more loads (--json has all)"
     if not study.box.axes_are_the_objects:

@@ -7,7 +7,6 @@ from mrts.plots.motor_plots import motor_plot as motor_plot
 from mrts.plots.phase_plane import phase_plane_plot as phase_plane_plot
 from mrts.plots.plan_plots import simulation_plot as simulation_plot
 from mrts.plots.range_plots import load_plot as load_plot
-from mrts.plots.range_plots import load_study_plot as load_study_plot
 from mrts.plots.range_plots import range_plot as range_plot
 from mrts.plots.study_plots import durations_plot as durations_plot
 from mrts.plots.study_plots import numbers_plot as numbers_plot

@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: MIT
 """The answer in one line, and the limits that are nearest: for terminal, report and figures alike."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from mrts.cell.robot import Robot
 from mrts.limits.rows import RowName
-from mrts.plots.labels import range_facts, row_text, short_name
-from mrts.plots.limit_shares import AT_END, AT_LIMIT, REACHED, all_shares, played, setting_rows
+from mrts.scaling.limit_use import LimitUse
 from mrts.scaling.range import RangeEnd
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import AT_END, ScalingResult
 
 if TYPE_CHECKING:
     from mrts.timing.result import RetimingResult
@@ -21,46 +17,7 @@ if TYPE_CHECKING:
 MOST_BARS = 5
 """Limits that are told: those of which most is used."""
 
-NEAR = 0.9
-"""Share of a limit from which it is near."""
-
 BAR_LETTERS = 20
-
-Nearness = Literal["free", "near", "reached"]
-
-
-@dataclass(frozen=True)
-class LimitBar:
-    """How much of a limit is used at most.
-
-    Attributes:
-        name: What it limits; the first of those that fail alike.
-        share: Of it that is used, 1 at the limit.
-        sample: Where.
-        time: Of that sample, as the motion is played [s].
-    """
-
-    name: RowName
-    share: float
-    sample: int
-    time: float
-
-    @property
-    def label(self) -> str:
-        """What it limits, for people."""
-        return short_name(self.name)
-
-    def body(self, robot: Robot) -> int | None:
-        """The body of an arm that it is about: that of the joint, else the hand; None of another arm."""
-        if self.name.robot != robot.name:
-            return None
-        joint = self.name.element
-        return robot.joints.index(joint) + 1 if joint in robot.joints else len(robot.joints)
-
-    @property
-    def nearness(self) -> Nearness:
-        """How near the limit is."""
-        return "reached" if self.share >= REACHED else "near" if self.share >= NEAR else "free"
 
 
 @dataclass(frozen=True)
@@ -68,10 +25,10 @@ class Card:
     """The outcome in one line, and the limits of which most is used; none without a trajectory."""
 
     outcome: str
-    bars: tuple[LimitBar, ...]
+    bars: tuple[LimitUse, ...]
 
     @property
-    def deciding(self) -> LimitBar | None:
+    def deciding(self) -> LimitUse | None:
         """The limit that decides how fast the motion may be played, or is used or passed the most."""
         return next(iter(self.bars), None)
 
@@ -90,7 +47,7 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
     if shown is None or shown.trajectory is None:
         return Card(_refusal(result), ())
     if not shown.status.admits_motion:
-        return Card(_refusal(result), _nearest(shown, None))
+        return Card(_refusal(result), _nearest(shown, ()))
     given, done, end = float(result.motion.object.time[-1]), shown.trajectory, shown.range.upper
     parts = [f"{given / done.duration:.3g} × as fast", f"{done.duration:.4g} s (given {given:.4g} s)"]
     if timing is not None:
@@ -102,11 +59,11 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
             parts.append(_limited(end, done.c2))
         else:
             parts.append(f"up to {sqrt(end.c2):.3g} × as fast, {_limited(end, end.c2)}")
-    return Card(" · ".join(parts), _nearest(shown, timing))
+    return Card(" · ".join(parts), _nearest(shown, result.setting_rows()))
 
 
 def _limited(end: RangeEnd, c2: float) -> str:
-    first, *others = dict.fromkeys(map(row_text, end.rows))
+    first, *others = dict.fromkeys(map(str, end.rows))
     more = f" and {len(others)} more" if others else ""
     return f"limited by {first}{more}, at {(end.time or 0.0) / sqrt(c2):.4g} s"
 
@@ -116,21 +73,17 @@ def _refusal(result: "ScalingResult | RetimingResult") -> str:
         return f"no timing: {result.explanation}" if result.explanation else str(result.status.value)
     if result.status.admits_motion:
         return result.sentence()
-    return " · ".join(["no speed keeps all limits", *range_facts(result.range)])
+    return f"no speed keeps all limits · {result.range.reason()}"
 
 
-def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[LimitBar, ...]:
+def _nearest(result: ScalingResult, setting: Sequence[RowName]) -> tuple[LimitUse, ...]:
     """What sets the speed, then limits by falling share; the rows of one hand that fail alike are one.
 
     Velocities count only where their limits are kept.
     """
-    names, shares = all_shares(result)
-    time, largest = played(result).time, np.max(shares, axis=0)
-    most = np.where(largest > 1 + AT_LIMIT, largest, np.minimum(largest, REACHED))  # those at 100 % are alike
-    first = {name: place for place, name in enumerate(setting_rows(result, timing, names))}
-    bars: dict[str, LimitBar] = {}
-    for row in sorted(range(len(names)), key=lambda row: (first.get(names[row], len(first)), -most[row])):
-        if names[row].kind != "velocity" or result.cell.enforces_velocity_limits:
-            at = int(np.argmax(shares[:, row] >= most[row]))
-            bars.setdefault(short_name(names[row]), LimitBar(names[row], float(largest[row]), at, float(time[at])))
+    place = {name: number for number, name in enumerate(setting)}
+    bars: dict[str, LimitUse] = {}
+    for use in sorted(result.uses, key=lambda use: place.get(use.name, len(place))):
+        if use.name.kind != "velocity" or result.cell.enforces_velocity_limits:
+            bars.setdefault(use.label, use)
     return tuple(bars.values())[:MOST_BARS]

@@ -17,8 +17,7 @@ from mrts.base.atomic_file import Write, write_atomically, write_together
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.plots import FIGURE_FORMATS
-from mrts.plots.labels import LONGEST_LABEL, shortened
-from mrts.plots.plot import Item, Line, Panel, Plot, Points
+from mrts.plots.plot import LONGEST_LABEL, Item, Line, Panel, Plot, Points, shortened
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""

@@ -1,22 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Plots of what becomes of a plan: played by a controller, or stopped on its way."""
+"""Plots of what becomes of a plan that a controller plays."""
 
 import numpy as np
 
-from mrts.override.speed_override import Stops
-from mrts.plots.limit_shares import LimitShares
 from mrts.plots.plot import (
-    Axis,
     Line,
     Panel,
     Plot,
     curves_panel,
     look,
-    time_axis,
-    value_ends,
 )
-from mrts.plots.trajectory_plots import COMPONENTS, percent_panel, quantities_panel
-from mrts.scaling.limit_use import all_quantities, used_shares
+from mrts.plots.trajectory_plots import COMPONENTS, LimitShares, percent_panel, quantities_panel
+from mrts.scaling.limit_use import all_quantities, limited_rows
 from mrts.simulation.simulate import Simulation
 
 KINDS = {"torque": ("torque", ""), **{what: ("wrench", first) for first, what in COMPONENTS.items()}}
@@ -46,21 +41,12 @@ def simulation_plot(found: Simulation) -> Plot:
     lines = [Line(x=found.played.time, y=y, label=name, **look(k)) for k, (name, y) in enumerate(errors.items())]
     errors_panel = curves_panel("Errors of tracking", "error [mrad, mm]", lines)
     title = f"{found.plan.cell.name}: {found.sentence()}"
-    return Plot(name="simulation", title=title, rows=[[closed_loop_panel(found), errors_panel], *rows])
+    return Plot(name="simulation", title=title, rows=[[_closed_loop_panel(found), errors_panel], *rows])
 
 
-def closed_loop_panel(found: Simulation) -> Panel:
+def _closed_loop_panel(found: Simulation) -> Panel:
     """How much of its limits the cell used along the time of the plan [%]."""
-    names, share = used_shares(found.played)
+    used = limited_rows(found.played)
     moving = found.played.time <= found.plan.duration
-    of = LimitShares.ranked("in closed loop", [name.short for name in names], share[moving])
+    of = LimitShares.ranked("in closed loop", [name.short for name in used.rows], np.maximum(used.share[moving], 0.0))
     return percent_panel(of, found.played.time[moving])
-
-
-def stops_plot(stops: Stops) -> Plot:
-    """Time and way of the longest stop from every place of a plan."""
-    rows = []
-    for name, unit, y in (("time", "ms", 1e3 * stops.stop_time), ("distance", "mm", 1e3 * stops.distance)):
-        y_axis = Axis(label=f"stop {name} [{unit}]", ends=value_ends(y[np.isfinite(y)], np.empty(0)))
-        rows.append([Panel(x=time_axis(stops.time), y=y_axis, items=[Line(x=stops.time, y=y, unit=unit)])])
-    return Plot(name="stops", title=f"{stops.cell}: {stops.sentence()}", rows=rows, shared=True, clock="played")

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.printable import cut, printable
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito (2008): distinguishable with every kind of colour vision."""
@@ -29,6 +30,9 @@ RULE: dict[str, Any] = {"color": "#888", "width": 1.0}
 
 MARGIN = 0.06
 """Left free above and below, as a share of what is shown."""
+
+LONGEST_LABEL = 44
+"""Letters of a label."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -87,7 +91,7 @@ Item = Line | Points | Band
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """What an axis counts, or the names along it at 0, 1, … from the top (`names_axis`).
+    """What an axis counts, or the names along it at 0, 1, … from the top.
 
     Without `ends` all there is is shown. `colors` and `strong` (bold) are of the names; `hover` is what a value under
     the mouse is called, such as "t = {} s".
@@ -160,14 +164,14 @@ class Plot:
         return png(self)
 
 
+def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
+    """A printable name whose middle is left out where it is too long to stand beside a plot."""
+    return cut(printable(name), longest)
+
+
 def time_axis(time: Array, label: str = "time [s]") -> Axis:
     """An axis of samples at some times, Shape (N,) [s]."""
     return Axis(label=label, ends=(float(time[0]), float(time[-1])), hover="t = {} s")
-
-
-def names_axis(names: Sequence[str], colors: Sequence[str], strong: Sequence[bool]) -> Axis:
-    """An axis of names from the top."""
-    return Axis(names=names, colors=colors, strong=strong, ends=(len(names) - 0.4, -0.6))
 
 
 def upright(at: float, y: Axis, **looks: Any) -> Line:

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.printable import printable
-from mrts.plots.labels import shortened, shortened_apart
-from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Points
+from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Points, shortened
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""
@@ -105,7 +104,7 @@ def _axis(axis: Axis) -> dict[str, Any]:
         shape["range"] = numbers(np.log10(axis.ends) if axis.log else np.array(axis.ends))
     if not axis.names:
         return shape
-    labels = [plot_text(name) for name in shortened_apart(axis.names)]
+    labels = [plot_text(name) for name in map(shortened, axis.names)]
     for place, strong in enumerate(axis.strong):
         labels[place] = f"<b>{labels[place]}</b>" if strong else labels[place]
     for place, color in enumerate(axis.colors):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""c²⁻(t) and c²⁺(t), the range over the motion, which limits bind where, and what uncertain loads do to it."""
+"""c²⁻(t) and c²⁺(t), the range over the motion, which limits bind where."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
-from mrts.plots.labels import range_facts, range_text
+from mrts.plots.card import answer_card
 from mrts.plots.plot import (
     ADMISSIBLE,
     COLOURS,
@@ -26,14 +26,12 @@ from mrts.plots.plot import (
     Points,
     level,
     look,
-    names_axis,
     one_panel,
     rectangles,
     time_axis,
     upright,
 )
 from mrts.program.range_status import RangeStatus
-from mrts.scaling.loads import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
@@ -47,9 +45,6 @@ GIVEN_TIME = "time of the given motion [s]"
 
 ABOVE_THE_RANGE = 4.0
 """c²⁺(t) near rest can be thousands of times the range over the motion; it is followed up to this many times."""
-
-ALIKE = 1e-6
-"""Share of c²⁺ by which loads that admit the same speed differ at most."""
 
 LaneKind = Literal["upper", "lower", "conflict"]
 
@@ -73,12 +68,12 @@ class Lane:
 def range_plot(result: ScalingResult) -> Plot:
     """c²⁻(t) and c²⁺(t) above the rows that bind; what no c² satisfies is marked."""
     found = result.range
-    facts = [f"{result.cell.name}: {found.status.value}", *range_facts(found)]
     rows = [[_range_panel(found)]]
     lanes = binding_lanes(found)
     if lanes:
         rows.append([_lane_panel(found, lanes)])
-    return Plot(name="c2_range", title="\n".join(facts), rows=rows, shared=True, clock="given")
+    title = f"{result.cell.name}: {answer_card(result).outcome}"
+    return Plot(name="c2_range", title=title, rows=rows, shared=True, clock="given")
 
 
 def _range_panel(found: ScalingRange) -> Panel:
@@ -91,7 +86,7 @@ def _range_panel(found: ScalingRange) -> Panel:
     if found.status.admits_motion and found.lower and found.upper:
         ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
         items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
-                          label=f"range {range_text(found)}"))  # fmt: skip
+                          label=f"range {found.text()}"))  # fmt: skip
     sides: tuple[tuple[Side, str, Array], ...] = (
         ("upper", "c²⁺(t)", samples.upper),
         ("lower", "c²⁻(t)", samples.lower),
@@ -116,8 +111,11 @@ def _range_panel(found: ScalingRange) -> Panel:
 
 def _lane_panel(found: ScalingRange, lanes: Sequence[Lane]) -> Panel:
     time = found.samples.time
-    names = names_axis(
-        [lane.label for lane in lanes], [END_COLOURS[lane.kind] for lane in lanes], [lane.sets for lane in lanes]
+    names = Axis(
+        names=[lane.label for lane in lanes],
+        colors=[END_COLOURS[lane.kind] for lane in lanes],
+        strong=[lane.sets for lane in lanes],
+        ends=(len(lanes) - 0.4, -0.6),
     )
     items: list[Item] = []
     for kind, word in LANE_WORDS.items():
@@ -194,42 +192,8 @@ def load_plot(results: Mapping[str, ScalingResult]) -> Plot:
     return one_panel("loads", _load_panel("Largest c² at each sample", time, items, (0.0, top)), "given")
 
 
-def load_study_plot(result: ScalingResult) -> Plot:
-    """c²⁺(t) of the answer, and what the loads that were looked at span, with the worst and the best if they differ.
-
-    Raises:
-        ValueError: If the load is known, or no load was looked at by itself.
-    """
-    study = result.load
-    if study is None or not study.ranges:
-        raise ValueError("there is no study of loads to draw")
-    low, high = c2_ends(result.range)
-    order = ranked_loads(study)
-    worst, best = order[0], order[-1]
-    least, most = (study.ranges[index].c2_upper for index in (worst, best))
-    high = max(high, c2_ends(study.ranges[best])[1])
-    upper = np.array([found.samples.upper for found in study.ranges])
-    items: list[Item] = [
-        Band(x=result.range.samples.time, lower=np.min(upper, axis=0), upper=np.max(upper, axis=0),
-             label=f"between {len(study.points)} loads"),
-    ]  # fmt: skip
-    title = f"{result.cell.name}: largest c² at each sample, by load"
-    if most - least <= ALIKE * abs(most):
-        title += "\nall loads admit the same speed over the whole motion"
-    else:
-        items += _upper(study.ranges[best], f"best: {study.points[best]}", 2)
-        items += _upper(study.ranges[worst], f"worst: {study.points[worst]}", 1)
-    items += _upper(result.range, study.question, 0, width=2.4)
-    return one_panel("load_study", _load_panel(title, result.range.samples.time, items, (low, high)), "given")
-
-
 def _load_panel(title: str, time: Array, items: Sequence[Item], ends: tuple[float, float]) -> Panel:
     return Panel(title=title, x=time_axis(time, GIVEN_TIME), y=Axis(label="largest c² [1]", ends=ends), items=items)
-
-
-def ranked_loads(study: LoadStudy) -> list[int]:
-    """Indices of the loads, the one with the least c²⁺ over the motion first."""
-    return sorted(range(len(study.ranges)), key=lambda index: study.ranges[index].c2_upper)
 
 
 def _upper(found: ScalingRange, label: str, index: int, width: float = 1.5) -> list[Item]:

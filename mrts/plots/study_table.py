@@ -45,19 +45,15 @@ READ = ("variant", "status", "reason", "upper_limit", "c2_upper", "duration")
 """Columns that are read beside those of what varies."""
 
 
-BEST_PART = 0.05
-"""Share of the variants with a duration that counts as the best."""
-
 SHARES = (50, 90, 95, 99)
 """Of the variants, of which the duration is told within which they finish [%]."""
 
 
 class Knob(NamedTuple):
-    """A number that a study varies: the column of its values, its unit, and whether it has a distribution by chance."""
+    """A number that a study varies: the column of its values, and its unit."""
 
     path: str
     unit: str
-    by_chance: bool = False
 
     @property
     def title(self) -> str:
@@ -153,7 +149,7 @@ def read_study_table(folder: Path) -> StudyTable:
     """
     opened = read_study_folder(folder)
     study = opened.record["study"]
-    knobs = [Knob(each["path"], each["unit"], each["kind"] == "normal") for each in study["vary"]]
+    knobs = [Knob(each["path"], each["unit"]) for each in study["vary"]]
     found = opened.table([*READ, *(knob.path for knob in knobs)])
     if not found.num_rows:
         raise InputError(folder, "no variant of this study is solved yet: let mrts sweep go on.")
@@ -224,11 +220,6 @@ def managed_texts(table: StudyTable) -> list[str]:
             return [*texts, f"no duration suits {share} % of the variants: {having} have one"]
         texts.append(f"{share} % of variants finish within {duration:.4g} s")
     return texts
-
-
-def best_part(table: StudyTable) -> Index:
-    """Rows of the best variants, at least one where there is any."""
-    return table.ranked[: int(np.ceil(BEST_PART * len(table.ranked)))]
 
 
 def percent(count: int, of: int) -> str:

@@ -2,7 +2,7 @@
 """Plots of a result along time: how much of each limit is used; torques, wrenches, power, energy."""
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,30 +10,39 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.limits.rows import RATES
 from mrts.plots.card import answer_card
-from mrts.plots.labels import shortened
-from mrts.plots.limit_shares import LimitShares, all_shares, played, shares_by_kind
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import (
-    ADMISSIBLE,
     COLOURS,
     Axis,
     Item,
     Line,
     Panel,
     Plot,
-    Points,
     curves_panel,
     level,
     look,
-    one_panel,
+    shortened,
     time_axis,
 )
-from mrts.plots.range_plots import load_study_plot, range_plot
-from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
+from mrts.plots.range_plots import range_plot
+from mrts.scaling.limit_use import LimitedQuantities, limited_quantities, limited_rates, limited_rows
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scaled_trajectory import accumulated_energy
-from mrts.simulation.reserve import ReserveSearch
+from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
 from mrts.timing.result import RetimingResult
+
+TITLES = {
+    "torque": "Joint torques",
+    "wrench": "Contact wrenches",
+    "velocity": "Velocities",
+    "acceleration": "Accelerations",
+    "contact": "Contacts: friction, tilting, normal force",
+    "motor speed": "Motor speeds",
+    "torque-speed": "Torques at speed",
+    "torque rate": "Rates of joint torques",
+    "wrench rate": "Rates of contact wrenches",
+    "jerk": "Joint jerks",
+}
+"""Of kinds of limits in the order of their pictures; others come after them by their own name."""
 
 SIDE_BY_SIDE = 2
 """More robots than this stand below each other, to fit a page."""
@@ -48,8 +57,55 @@ COMPONENTS = {"f": "force", "n": "moment"}
 """How components of a wrench begin, and what they are."""
 
 
-def result_plots(result: ScalingResult | RetimingResult, search: ReserveSearch | None = None) -> list[Plot]:
-    """All plots of a result, and of the search that found its reserve; without a profile, of the best constant factor.
+@dataclass(frozen=True)
+class LimitShares:
+    """The limits of one kind.
+
+    Attributes:
+        kind: As in `mrts.limits.rows.RowName`.
+        labels: A line each, the one that comes nearest to its limit first: `left/elbow`.
+        share: Of its limit that each line uses, 1 at the limit, never below 0, Shape (N, lines).
+    """
+
+    kind: str
+    labels: tuple[str, ...]
+    share: Array
+
+    @classmethod
+    def ranked(cls, kind: str, labels: Sequence[str], share: Array) -> "LimitShares":
+        """Lines in any order."""
+        order = np.argsort(-np.max(share, axis=0), kind="stable")
+        return cls(kind, tuple(labels[line] for line in order), share[:, order])
+
+    @property
+    def title(self) -> str:
+        """What they are, for people."""
+        return TITLES.get(self.kind, self.kind.capitalize())
+
+
+def limit_shares(done: ScaledTrajectory, rates: LimitedQuantities | None = None) -> list[LimitShares]:
+    """The shares of all limits that there are, kind by kind; the rows of one hand that fail alike make one line.
+
+    Velocities also where their limits are reported only, and rates that are given.
+    """
+    found = [limited_rows(done), *([] if rates is None else [rates])]
+    rows = [name for of in found for name in of.rows]
+    share = np.maximum(np.hstack([of.share for of in found]), 0.0)
+    kinds = []
+    for kind in dict.fromkeys([*TITLES, *(name.kind for name in rows)]):
+        lines: dict[str, list[int]] = {}
+        for row, name in enumerate(rows):
+            if name.kind == kind:
+                label = name.failure or (f"{name.robot}/{name.element}" if name.robot else str(name))
+                lines.setdefault(label, []).append(row)
+        if lines:
+            largest = [np.max(share[:, members], axis=1, initial=0.0) for members in lines.values()]
+            kinds.append(LimitShares.ranked(kind, [*lines], np.column_stack(largest)))
+    return kinds
+
+
+def result_plots(result: ScalingResult | RetimingResult) -> list[Plot]:
+    """All plots of a result; without a profile, of the best constant factor.
 
     A retimed motion has no range of c² to draw: its own answer is c² = 1.
     """
@@ -60,11 +116,9 @@ def result_plots(result: ScalingResult | RetimingResult, search: ReserveSearch |
     plots = [] if shown.origin else [range_plot(shown)]
     if timing is not None and timing.pieces:
         plots.append(phase_plane_plot(timing))
-    if shown.load is not None and shown.load.ranges:
-        plots.append(load_study_plot(shown))
     if shown.trajectory is not None:
         plots += [trajectory_plot(shown, title), limits_plot(shown, title), power_plot(shown, title)]
-    return plots if search is None else [*plots, reserve_plot(search)]
+    return plots
 
 
 def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
@@ -79,7 +133,7 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
     Raises:
         ValueError: If there is no trajectory.
     """
-    time, of_robots = played(result).time, []
+    time, of_robots = result.done.time, []
     for robot in result.cell.robots:
         torques, wrenches = (limited_quantities(result, kind, robot.name) for kind in ("torque", "wrench"))
         parts = {what: wrenches.only([name[0] == first for name in wrenches.names])
@@ -96,15 +150,15 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
 
 def limits_plot(result: ScalingResult, title: str = "") -> Plot:
     """How much of its limits the motion uses along time [%], a panel for each kind; arguments as `trajectory_plot`."""
-    time = played(result).time
-    panels = [percent_panel(of, time) for of in shares_by_kind(*all_shares(result))]
+    time = result.done.time
+    panels = [percent_panel(of, time) for of in limit_shares(result.done, limited_rates(result))]
     rows = [panels[at : at + 2] for at in range(0, len(panels), 2)]
     return Plot(name="limits", title=title or _title(result), rows=rows, clock="played")
 
 
 def power_plot(result: ScalingResult, title: str = "") -> Plot:
     """Power q̇ τ of every joint, negative where it brakes, above the energy given; arguments as `trajectory_plot`."""
-    done, powers, lines = played(result), [], []
+    done, powers, lines = result.done, [], []
     for number, robot in enumerate(result.cell.robots):
         values = done.power[:, result.cell.joint_slices[robot.name]]
         of_joints = [
@@ -122,7 +176,7 @@ def power_plot(result: ScalingResult, title: str = "") -> Plot:
 
 
 def _title(result: ScalingResult) -> str:
-    return f"{result.cell.name}: {played(result).duration:.4g} s"
+    return f"{result.cell.name}: {result.done.duration:.4g} s"
 
 
 def _by_robot(panels: Sequence[Sequence[Panel]]) -> list[list[Panel]]:
@@ -156,24 +210,3 @@ def quantities_panel(title: str, what: str, time: Array, drawn: LimitedQuantitie
         for k, (name, unit) in enumerate(zip(drawn.names, drawn.units, strict=True))
     ]  # fmt: skip
     return curves_panel(title, f"{what} [{', '.join(units)}]", lines, below)
-
-
-def reserve_plot(search: ReserveSearch) -> Plot:
-    """Duration against the reserve of every plan that was tried, with the largest use of a limit when it was played."""
-    plans = sorted((each for each in search.tried if each.limit), key=lambda each: each.reserve)
-    reserve, duration = (np.array([getattr(each, name) for each in plans]) for name in ("reserve", "duration"))
-    items: list[Item] = [Line(x=100 * reserve, y=duration, color="#888", unit=None)]
-    looks: list[tuple[bool, dict[str, Any]]] = [
-        (True, {"label": "keeps all limits when it is played", "color": ADMISSIBLE}),
-        (False, {"label": "passes limits", "color": COLOURS[1], "symbol": "cross"}),
-    ]
-    for kept, look_of in looks:
-        own = [place for place, each in enumerate(plans) if each.kept == kept]
-        if own:
-            texts = [f"{100 * plans[place].share:.0f} %" for place in own]
-            items.append(Points(x=100 * reserve[own], y=duration[own], texts=texts, **look_of))
-    panel = Panel(
-        title="Duration by the reserve, with the largest use of a limit",
-        x=Axis(label="reserve [% of every limit]"), y=Axis(label="duration [s]"), items=items,
-    )  # fmt: skip
-    return one_panel("reserve", panel)

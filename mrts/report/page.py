@@ -2,15 +2,12 @@
 """The page of a result, of a plan in closed loop, or of a study."""
 
 from pathlib import Path
-from types import NoneType
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
-from mrts.override.speed_override import Stops
 from mrts.plots import phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
-from mrts.plots.limit_shares import all_shares, setting_rows
-from mrts.plots.plan_plots import simulation_plot, stops_plot
+from mrts.plots.plan_plots import simulation_plot
 from mrts.plots.study_table import StudyTable
 from mrts.report import tables
 from mrts.report.document import document
@@ -22,26 +19,22 @@ from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
 
 
-def write_report(
-    result: ScalingResult | RetimingResult | Simulation | StudyTable, path: Path | str, stops: Stops | None = None
-) -> None:
+def write_report(result: ScalingResult | RetimingResult | Simulation | StudyTable, path: Path | str) -> None:
     """Write a report: one HTML file that opens offline.
 
     Args:
         result: Any result, feasible or not; one of `mrts.retime` begins with its timing. Or what `mrts.simulate`
             found, or a study, as `mrts.plots.read_study_table` reads it.
         path: The file.
-        stops: What stops take, from `SpeedOverride.stops`, where it is to be drawn with a result.
 
     Raises:
         InputError: If plotly or Jinja is not installed, or the file cannot be written.
     """
     check_type("result", result, ScalingResult, RetimingResult, Simulation, StudyTable)
-    check_type("stops", stops, Stops, NoneType)
-    write_text_atomically(as_path("path", path), report_html(result, stops))
+    write_text_atomically(as_path("path", path), report_html(result))
 
 
-def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable, stops: Stops | None = None) -> str:
+def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable) -> str:
     """A report as text, with arguments of `write_report`; the same result gives the same text."""
     if isinstance(result, StudyTable):
         return study_html(result)
@@ -65,29 +58,26 @@ def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable
         card=answer_card(result),
         sentences=_sentences(timing, shown),
         notes=_notes(shown),
-        setting=None if shown.trajectory is None else setting_rows(shown, timing, all_shares(shown)[0]),
+        limits=(timing if timing is not None and timing.retimed else shown).limits_table(),
         player=scene,
         paces=PACES,
         tables=tables,
         phase_plane=phase_plane,
         range_plots=range_plots,
         trajectory_plots=trajectory_plots,
-        stops=stops,
-        stops_plot=stops_plot,
     )
 
 
 def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]:
     told = [shown.sentence()]
-    if timing is None and shown.trajectory is not None and not shown.origin:
-        told = [f"c² = {shown.trajectory.c2:.6g}; admissible: {shown.range.text()}."]
     if timing is not None:
         told = [f"{timing.sentence()[0].upper()}{timing.sentence()[1:]}"]
         if timing.retimed is None:
             return [*told, f"The best constant factor, which is shown below: {shown.sentence()}"]
     if shown.trajectory is not None:
         load = "" if shown.load is None else f"The torques below are those of a load of {shown.cell.mass:.4g} kg. "
-        told.append(f"{load}The motors give {shown.trajectory.energy:.4g} J.")
+        speed = "The" if timing is not None else f"At c² = {shown.trajectory.c2:.6g} the"
+        told.append(f"{load}{speed} motors give {shown.trajectory.energy:.4g} J.")
     return told
 
 

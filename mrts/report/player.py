@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.plots.labels import shortened
+from mrts.plots.plot import shortened
 from mrts.plots.plotly_drawer import FONT, numbers, plot_text
 from mrts.scaling.result import ScalingResult
 from mrts.scene.cell_view import look_at

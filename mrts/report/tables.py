@@ -1,25 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Tables of the report of a result: what was given, the range, limits and how far they are used, conflicts, loads."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from mrts.base.words import interval_text
-from mrts.limits.rows import ActiveRow, RowName
 from mrts.plots.card import Card
-from mrts.plots.labels import range_facts, range_text, row_text, short_name
-from mrts.plots.limit_shares import played
-from mrts.plots.range_plots import ranked_loads
 from mrts.program.infeasibility import Conflict
-from mrts.scaling.limit_use import by_share, rate_uses
-from mrts.scaling.loads import LoadStudy
 from mrts.scaling.result import ScalingResult
 
 MOST_CONFLICTS = 10
-MOST_LOADS = 16
-"""Rows of the tables of conflicts and loads; the rest is counted."""
+"""Rows of the table of conflicts; the rest is counted."""
 
 DECIMALS = 9
 """Of numbers in SI units: what is less is left over from sums of larger terms."""
@@ -78,23 +70,10 @@ def inputs(result: ScalingResult) -> list[tuple[str, str]]:
     return entries
 
 
-def margins_table(result: ScalingResult, setting: Mapping[RowName, str]) -> Table:
-    """Every limit by falling share that is used; those that set the speed first, each hand's failure once."""
-    rows: dict[str, tuple[Entry, ...]] = {}
-    uses = by_share([*result.limit_uses, *rate_uses(result)])
-    for use in sorted(uses, key=lambda use: use.name not in setting):
-        values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
-        told = ("", "", "") if use.name.failure else values  # of what there is no value that people know
-        name, said = short_name(use.name), setting.get(use.name)
-        marked = (name,) if said is None else (name, Styled(said, "mark limiting"))
-        rows.setdefault(name, (marked, *told, bar(use.share, 1), f"{use.time:.4g} s"))
-    return Table(("limit", "from … to", "least", "largest", "share used", "most used at"), [*rows.values()])
-
-
 def duty_table(result: ScalingResult) -> Table:
     """What the motion asks of every motor, with the share of what it bears where that is known."""
     rows: list[tuple[Entry, ...]] = []
-    for robot, duty in zip(result.cell.robots, played(result).duty.values(), strict=True):
+    for robot, duty in zip(result.cell.robots, result.done.duty.values(), strict=True):
         for j, joint in enumerate(robot.joints):
             torque, speed = robot.torque_units[j], f"{robot.position_units[j]}/s"
             rows.append(
@@ -133,7 +112,7 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Table:
     for alike in list(groups.values())[:MOST_CONFLICTS]:
         worst = alike[0]
         moves = zip(worst.rows, worst.moves, strict=True)
-        named = tuple(f"{row_text(row)}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
+        named = tuple(f"{row}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
         times = [conflict.time for conflict in alike]
         when: Entry = f"{worst.time:.4g} s"
         if len(alike) > 1:
@@ -145,19 +124,3 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Table:
     with_load = any(row[-1] for row in rows)
     rest = more(len(groups) - MOST_CONFLICTS, "sets of limits that conflict")
     return Table(head if with_load else head[:-1], rows if with_load else [row[:-1] for row in rows], rest)
-
-
-def loads_table(study: LoadStudy) -> Table:
-    """Ranges by load, the worst first."""
-    rows: list[tuple[Entry, ...]] = []
-    for index in ranked_loads(study)[:MOST_LOADS]:
-        found = study.ranges[index]
-        ends, by = range_text(found), tuple(range_facts(found))
-        if found.upper is not None and found.status.admits_motion:
-            by = _limits(found.upper.rows)
-        rows.append((str(study.points[index]), ends, by))
-    return Table(("load", "c²", "c²⁺ is set by"), rows, more(len(study.ranges) - MOST_LOADS, "loads"))
-
-
-def _limits(rows: Sequence[ActiveRow]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(map(row_text, rows)))

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.notebook import NotebookTable
 from mrts.base.words import interval_text
+from mrts.cell.robot import Robot
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName, polygons, side_size
 from mrts.program.motion_rows import motor_terms
@@ -25,6 +26,17 @@ NOTHING = 1e-8
 
 LIMIT_DIGITS = 6
 """Significant digits of a limit: as many as it is given with."""
+
+REACHED = 0.9995
+"""Share of a limit from which it reads 100 %."""
+
+AT_LIMIT = 1e-4
+"""Share of a limit by which one that is reached may miss it: interior points come near limits, not to them."""
+
+NEAR = 0.9
+"""Share of a limit from which it is near."""
+
+Nearness = Literal["free", "near", "reached"]
 
 
 @dataclass(frozen=True)
@@ -43,7 +55,8 @@ class LimitUse:
         largest: Its largest value.
         share: The largest share of a limit that is used; 1 is at the limit. Of a limit of zero, what 100 % is says
             `LimitRows.units`; without a limit it is 0.
-        time: When that is, of a rate at the first of the two samples [s].
+        time: When it is used so far first, of a rate at the first of the two samples [s].
+        sample: Where.
         limited: Whether there is a limit on some side.
     """
 
@@ -54,12 +67,30 @@ class LimitUse:
     largest: float
     share: float
     time: float
+    sample: int
     limited: bool
+
+    @property
+    def label(self) -> str:
+        """What it limits, for people: `left/elbow torque`, `left/pad slips`."""
+        return self.name.failure or str(self.name)
 
     @property
     def size(self) -> float:
         """The largest value without its sign."""
         return max(-self.least, self.largest)
+
+    @property
+    def nearness(self) -> Nearness:
+        """How near the limit is."""
+        return "reached" if self.share >= REACHED else "near" if self.share >= NEAR else "free"
+
+    def body(self, robot: Robot) -> int | None:
+        """The body of an arm that it is about: that of the joint, else the hand; None of another arm."""
+        if self.name.robot != robot.name:
+            return None
+        joint = self.name.element
+        return robot.joints.index(joint) + 1 if joint in robot.joints else len(robot.joints)
 
 
 @dataclass(frozen=True)
@@ -114,7 +145,8 @@ class LimitedQuantities:
 
     def uses(self, time: Array) -> tuple[LimitUse, ...]:
         """What is made of each, at the sample that uses the largest share; `time` of the samples, Shape (N,) [s]."""
-        at, limited = np.argmax(self.share, axis=0), self.limited
+        most, limited = np.max(self.share, axis=0), self.limited
+        at = np.argmax(self.share >= _told_apart(most), axis=0)
         values = np.where(np.abs(self.values) < NOTHING * self.unit, 0.0, self.values)
         return tuple(
             LimitUse(
@@ -123,8 +155,9 @@ class LimitedQuantities:
                 upper=float(self.upper[at[row], row]),
                 least=float(np.min(values[:, row])),
                 largest=float(np.max(values[:, row])),
-                share=max(0.0, float(self.share[at[row], row])),
+                share=max(0.0, float(most[row])),
                 time=float(time[at[row]]),
+                sample=int(at[row]),
                 limited=bool(limited[row]),
             )
             for row, name in enumerate(self.rows)
@@ -136,9 +169,14 @@ def limit_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
     return all_quantities(done, driven=True).uses(done.time)
 
 
+def _told_apart(share: Array | float) -> Array:
+    """Shares of limits, all that are reached alike: which of them is larger is rounding."""
+    return np.where(np.asarray(share) > 1 + AT_LIMIT, share, np.minimum(share, REACHED))
+
+
 def by_share(uses: Iterable[LimitUse]) -> list[LimitUse]:
     """Those that have a limit, by falling share of it."""
-    return sorted((use for use in uses if use.limited), key=lambda use: -use.share)
+    return sorted((use for use in uses if use.limited), key=lambda use: -float(_told_apart(use.share)))
 
 
 def rate_uses(result: "ScalingResult") -> list[LimitUse]:
@@ -147,18 +185,15 @@ def rate_uses(result: "ScalingResult") -> list[LimitUse]:
     return [] if result.trajectory is None or rates is None else by_share(rates.uses(result.trajectory.time))
 
 
-def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
-    """The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r)."""
+def limited_rows(done: "ScaledTrajectory") -> LimitedQuantities:
+    """The rows that have a limit, velocities also where their limits are reported only."""
     found = all_quantities(done)
-    limited = found.only(found.limited)
-    return limited.rows, np.maximum(limited.share, 0.0)
+    return found.only(found.limited)
 
 
 def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
     """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits."""
-    if result.trajectory is None:
-        raise ValueError("there is no trajectory to draw")
-    found = all_quantities(result.trajectory)
+    found = all_quantities(result.done)
     chosen = found.of(kind, robot)
     if kind == "torque":
         lines = found.of(TORQUE_SPEED, robot)
@@ -236,16 +271,16 @@ def limits_table(
 
     Args:
         uses: How much of the limits is used.
-        binding: Rows that end a range at the speed that is played: no distribution of torques gets past them. Another
-            limit at 100 % is where this distribution puts it.
+        binding: Rows that set the speed: no distribution of torques gets past them. They stand first; another limit at
+            100 % is where this distribution puts it.
         place: Says where most is used.
     """
     rows: dict[str, tuple[str, ...]] = {}
-    for use in by_share(uses):
+    for use in sorted(by_share(uses), key=lambda use: use.name not in binding):
         limits = interval_text(use.lower, use.upper, use.name.unit, LIMIT_DIGITS)
         told = ("", "") if use.name.failure else (f"{use.least:.4g} to {use.largest:.4g}", limits)
         used = f"{percent(use)}{', binds' if use.name in binding else ''}"
-        rows.setdefault(str(use.name), (str(use.name), used, *told, place(use)))
+        rows.setdefault(use.label, (use.label, used, *told, place(use)))
     return NotebookTable(("limit", "used", "values", "limits", "at"), [*rows.values()])
 
 

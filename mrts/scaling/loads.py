@@ -22,9 +22,10 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.held_interrupt import held_interrupt
 from mrts.base.load_box import LoadBox, LoadPoint
+from mrts.base.notebook import NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import Side
+from mrts.limits.rows import Side, row_labels
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows
 from mrts.program.range_ends import UNBOUNDED, same_width
@@ -92,6 +93,16 @@ class LoadStudy:
         low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
         return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
 
+    def table(self) -> NotebookTable:
+        """The range of each load that was looked at, that with the least c²⁺ first."""
+        rows = [
+            (str(point), found.text(), row_labels(found.upper.rows))
+            if found.upper is not None and found.status.admits_motion
+            else (str(point), found.status.value, found.reason())
+            for point, found in sorted(zip(self.points, self.ranges, strict=True), key=lambda one: one[1].c2_upper)
+        ]
+        return NotebookTable(("load", "c²", "c²⁺ is set by"), rows)
+
     def to_json(self) -> dict[str, Any]:
         """The study as JSON values."""
         return {
@@ -115,7 +126,9 @@ def range_at_samples(
 ) -> tuple[ScalingRange, LoadStudy | None]:
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
 
-    Of several intervals the highest is found that does not begin above `high`.
+    Of several intervals the highest is found that does not begin above `high`. What is possible at a sample lies
+    between the least and the largest c² of any load: where a load leaves a gap below its highest interval, whether
+    another load of the box fills it is not asked.
 
     Raises:
         InputError: If there is no box, or the question does not fit it.
@@ -123,23 +136,46 @@ def range_at_samples(
     """
     if options.load == "nominal":
         return common_range(partial(motion_ranges, rows, options.solver, None), high), None
-    box = load_box(rows.cell, options.load)
-    if options.load == "possible":
-        return possible_range(rows, options, box, progress, high)
-    if options.load == "guaranteed":
-        points = box.corners(effective_parameters(rows.cell, rows.motion, box))
-    else:
-        points = mass_grid(box, options.load)
+    box, every = load_box(rows.cell, options.load), options.load != "possible"
+    points, varying = _loads(rows, options.load, box)
     of_points = ranges_of_loads(rows, options, points, progress, high)
+    not_converged: tuple[int, ...] = ()
 
     def find(below: float) -> SampleRanges:
+        nonlocal not_converged
         ranges = [
-            known.samples if below == high else motion_ranges(rows, options.solver, point.load, below)
+            motion_ranges(rows, options.solver, point.load, below)
+            if known.samples.several and not (every and below == high)
+            else known.samples
             for point, known in zip(points, of_points, strict=True)
         ]
-        return combined_ranges(points, ranges, every=True)
+        found = combined_ranges(points, ranges, every=every)
+        if not every and varying:
+            found, not_converged = _searched(rows, options.solver, box, varying, found, progress)
+        return found
 
-    return common_range(find, high), LoadStudy(options.load, box, points, of_points)
+    found = common_range(find, high)
+    return found, LoadStudy(options.load, box, points, of_points, not_converged)
+
+
+def _loads(rows: MotionRows, question: str, box: LoadBox) -> tuple[tuple[LoadPoint, ...], tuple[str, ...]]:
+    """The loads that are looked at one by one, and the parameters that change the wrench.
+
+    Raises:
+        InputError: If the question does not fit the box.
+    """
+    if question not in {"guaranteed", "possible"}:
+        return mass_grid(box, question), ()
+    if question == "possible" and box.outer_hull:
+        raise InputError(
+            "load",
+            "an outer hull holds loads that do not exist, so it cannot answer what is possible. Give ranges of the "
+            "first moments mx, my, mz instead of the offsets.",
+            value=question,
+        )
+    varying = effective_parameters(rows.cell, rows.motion, box)
+    middle = (box.nominal_point(),) if question == "possible" and varying else ()
+    return (*box.corners(varying), *middle), varying
 
 
 def ranges_of_loads(
@@ -227,45 +263,6 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
         fallbacks=sum(found.fallbacks for found in ranges),
         loads=(at_low, at_high),
     )
-
-
-def possible_range(
-    rows: MotionRows, options: Options, box: LoadBox, progress: Progress, high: float
-) -> tuple[ScalingRange, LoadStudy]:
-    """The range of c² of the best load of a box, at each sample by itself.
-
-    At each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
-    highest interval, whether another load of the box fills it is not asked. Arguments as in `range_at_samples`.
-
-    Raises:
-        InputError: If the box is an outer hull.
-        SolverError: If no solver answers.
-    """
-    if box.outer_hull:
-        raise InputError(
-            "load",
-            "an outer hull holds loads that do not exist, so it cannot answer what is possible. Give ranges of the "
-            "first moments mx, my, mz instead of the offsets.",
-            value="possible",
-        )
-    varying = effective_parameters(rows.cell, rows.motion, box)
-    points = (*box.corners(varying), box.nominal_point()) if varying else box.corners(varying)
-    of_points = ranges_of_loads(rows, options, points, progress, high)
-    not_converged: tuple[int, ...] = ()
-
-    def find(below: float) -> SampleRanges:
-        nonlocal not_converged
-        ranges = [
-            motion_ranges(rows, options.solver, point.load, below) if known.samples.several else known.samples
-            for point, known in zip(points, of_points, strict=True)
-        ]
-        best = combined_ranges(points, ranges, every=False)
-        if varying:
-            best, not_converged = _searched(rows, options.solver, box, varying, best, progress)
-        return best
-
-    found = common_range(find, high)
-    return found, LoadStudy("possible", box, points, of_points, not_converged)
 
 
 def _searched(

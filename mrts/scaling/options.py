@@ -54,13 +54,6 @@ class Options(EqualByNumbers):
     between: float | None = BETWEEN
     rates: RateLimits | None = None
 
-    def __post_init__(self) -> None:
-        """Torques may be distributed later: the weights are then what they are now."""
-        if self.weights is not None:
-            weights = as_array("weights", self.weights)
-            weights.setflags(write=False)
-            object.__setattr__(self, "weights", weights)
-
     def rows(self, cell: Cell, motion: CoordinatedMotion) -> MotionRows:
         """The limits of a cell along a motion, as the programs that are asked for take them."""
         return motion_rows(cell, motion, self.sharing, self.formulation)
@@ -91,15 +84,18 @@ class Options(EqualByNumbers):
         check_type("formulation", self.formulation, str)
         check_solver(self.solver)
         load = self._question(cell)
-        if self.weights is not None:
-            torque_weights(self.weights, cell)
+        weights = self.weights
+        if weights is not None:
+            torque_weights(weights, cell)
+            weights = as_array("weights", weights)  # torques may be distributed later, by what the weights are now
+            weights.setflags(write=False)
         if self.rates is not None:
             if self.formulation != "wrench":
                 rule = "with rates it must be 'wrench': torques are chosen for the whole motion."
                 raise InputError("formulation", rule, value=self.formulation)
             if load == "possible":
                 raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=load)
-        return replace(self, load=load, between=checked_tolerance(self.between))
+        return replace(self, load=load, weights=weights, between=checked_tolerance(self.between))
 
     def _question(self, cell: Cell) -> str:
         check_type("load", self.load, str)

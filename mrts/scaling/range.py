@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from mrts.base.load_box import LoadPoint
-from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import interval_text
-from mrts.limits.rows import RATES, ActiveRow, Side, rows_text
+from mrts.limits.rows import RATES, ActiveRow, Side, row_labels, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
@@ -55,7 +54,7 @@ class RangeEnd:
 
 
 @dataclass(frozen=True, repr=False)
-class ScalingRange(InNotebooks):
+class ScalingRange:
     """The range over the whole motion.
 
     Attributes:
@@ -78,20 +77,6 @@ class ScalingRange(InNotebooks):
     def __repr__(self) -> str:
         ends = f"c² ∈ {self.text()}, " if self.lower and self.upper else ""
         return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Both ends and what sets them."""
-        rows = []
-        for name, end in (("c²⁺", self.upper), ("c²⁻", self.lower)) if self.status.admits_motion else ():
-            if end is not None:
-                speed = f"{np.sqrt(max(end.c2, 0.0)):.4g} ×" if np.isfinite(end.c2) else "∞"
-                place = "nothing limits it" if end.time is None else end.place()
-                rows.append((name, f"{end.c2:.6g}" if np.isfinite(end.c2) else "∞", speed, place))
-        yield NotebookTable(("end", "c²", "speed", "set"), rows)
-
-    def notebook_words(self) -> list[str]:
-        """The outcome."""
-        return [repr(self).strip("<>"), *filter(None, [self.explain()])]
 
     def text(self, digits: int = 4) -> str:
         """Both ends in words, such as `[0, 3.062]`; empty where there are none."""
@@ -126,6 +111,17 @@ class ScalingRange(InNotebooks):
             "c2": {side: end.c2 if end and np.isfinite(end.c2) else None for side, end in ends.items()},
             "binding": {side: end.to_json() if end else None for side, end in ends.items()},
         }
+
+    def reason(self) -> str:
+        """Why no c² is admissible, in a few words; empty if some is."""
+        conflicts = self.samples.conflicts
+        if self.status is RangeStatus.INFEASIBLE:
+            worst = max(conflicts, key=lambda conflict: conflict.widening)
+            load = "" if worst.load is None else f" with {worst.load}"
+            where = f"at {len(conflicts)} of {len(self.samples.time)} samples; at t = {worst.time:.4g} s{load}"
+            return f"{where} {row_labels(worst.rows)} conflict"
+        empty = self.status is RangeStatus.EMPTY and self.lower and self.upper
+        return contradiction(self.lower, self.upper).rstrip(".") if empty and self.lower and self.upper else ""
 
     def explain(self) -> str:
         """Why no c² is admissible (the message of step 3.2); empty if some is."""

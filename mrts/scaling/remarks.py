@@ -14,7 +14,7 @@ from mrts.following.denser_motion import moved_remarks
 from mrts.motion.object_courses import ProfiledPath
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.scaling.limit_use import LimitUse, by_share, power_uses, rate_uses
-from mrts.scaling.range import RangeEnd, ScalingRange
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:
@@ -41,17 +41,11 @@ STILL = 1e-9
 FEWEST_SAMPLES = 21
 """With fewer, noise and jumps cannot be told from corners of the velocity."""
 
-MOST_JUMPS = 4
-"""Samples with a jump: one row out of line makes at most three; coarse rounding, which is noise, many."""
-
 SIGNIFICANT = 0.05
 """Share of the largest acceleration of all joints from which that of a joint counts: of one at rest all is rounding."""
 
 NORMAL_DIFFERENCE = 0.3186 * 70**0.5
 """Lower quartile of the sizes of fourth differences of normal variables of deviation 1: 70 = 1² + 4² + 6² + 4² + 1²."""
-
-FAST = 10.0
-"""Factor of speed above which something is probably missing."""
 
 REMARKED = 1e-3
 """Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
@@ -96,8 +90,6 @@ def motion_remarks(
     if found is not None:
         remarks += _not_at_rest(cell, motion)
     remarks += _rough(cell, motion)
-    if found is not None and found.status.admits_motion and found.upper is not None:
-        remarks += _fast(found.upper)
     if remarks and played is not motion:
         time = motion.object.time
         remarks = [*moved_remarks(tuple(remarks), time, np.setdiff1d(played.object.time, time))]
@@ -129,18 +121,17 @@ def _rough(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
         return []
     names, units = cell.joint_names, _position_units(cell)
     jumps, noise = _velocity_jumps(motion), noise_share(motion.ddq)
-    jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
     largest = np.max(np.abs(motion.ddq), axis=0)
     noise[largest < SIGNIFICANT * np.max(largest)] = 0.0
     joint = int(np.argmax(noise))
-    if noise[joint] >= NOISY or jumping > MOST_JUMPS:
+    if noise[joint] >= NOISY:
         text = (
             f"the acceleration of {names[joint]} goes up and down from sample to sample, and torques with it, as "
             "that of rounded or measured positions does when they are differentiated twice. Give more digits, smooth "
             "the table, or give fewer rows."
         )
         return [Remark("noise", text)]
-    if not jumping:
+    if not np.any(jumps > 0):
         return []
     place, joint = (int(index) for index in np.unravel_index(int(np.argmax(jumps)), jumps.shape))
     text = (
@@ -155,10 +146,9 @@ def _velocity_jumps(motion: CoordinatedMotion) -> Array:
     """Steps of joint velocities at inner samples that no smooth motion takes, zero elsewhere, Shape (N - 2, m)."""
     step = np.abs(np.diff(np.diff(motion.q, axis=0) / np.diff(motion.object.time)[:, None], axis=0))
     least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
-    around = np.zeros_like(step)
-    for distance in range(2, NEIGHBOURS + 1):
-        around[distance:] = np.maximum(around[distance:], step[:-distance])
-        around[:-distance] = np.maximum(around[:-distance], step[distance:])
+    padded = np.pad(step, ((NEIGHBOURS, NEIGHBOURS), (0, 0)))
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=0)
+    around = np.max(np.delete(windows, [NEIGHBOURS - 1, NEIGHBOURS, NEIGHBOURS + 1], axis=2), axis=2)
     return np.where((step > JUMP * around) & (step > least), step, 0.0)
 
 
@@ -179,17 +169,6 @@ def noise_share(values: Array) -> Array:
         stride *= 2
     largest = np.max(np.abs(values), axis=0)
     return np.asarray(size / NORMAL_DIFFERENCE / np.where(largest > 0, largest, 1.0))
-
-
-def _fast(end: RangeEnd) -> list[Remark]:
-    factor = float(np.sqrt(max(end.c2, 0.0)))
-    if factor <= FAST or end.time is None:  # that nothing limits the speed is said as the outcome
-        return []
-    text = (
-        f"the motion may be played {factor:.3g} times as fast as given, more than {FAST:g} times: probably its "
-        "duration or a unit is wrong, or limits are missing (velocity limits, contact wrenches)."
-    )
-    return [Remark("factor-above-10", text)]
 
 
 def interpolated(motion: CoordinatedMotion, lost: float, effect: str) -> tuple[Remark, ...]:

@@ -20,12 +20,12 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
-from mrts.limits.rows import LimitRows
+from mrts.limits.rows import LimitRows, RowName
 from mrts.program.between_samples import Excess
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
-from mrts.scaling.limit_use import LimitUse, limit_uses, limits_table, rate_uses
+from mrts.scaling.limit_use import LimitUse, by_share, limit_uses, limits_table, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
@@ -35,7 +35,8 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 if TYPE_CHECKING:
     from mrts.scaling.what_if import SpeedQuestion, WhatIf
 
-"""Code of the remark on limits that a saved result was found with and its cell does not have."""
+AT_END = 1e-6
+"""Share of c² within which it is at an end of what a sample admits: ends that tie are right to 1e-7."""
 
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
@@ -79,6 +80,18 @@ class Result(InNotebooks, JsonOutput):
     def sentence(self) -> str:
         """The outcome alone."""
 
+    @property
+    @abstractmethod
+    def uses(self) -> list[LimitUse]:
+        """How much of each limit is used, rates too, by falling share; nothing without a trajectory."""
+
+    @abstractmethod
+    def setting_rows(self) -> list[RowName]:
+        """What sets the speed; nothing without a trajectory.
+
+        Another row that is at its limit need not set it: it may be there by how the load is distributed.
+        """
+
     @abstractmethod
     def speed_question(self) -> "SpeedQuestion":
         """What `what_if` asks of every changed cell."""
@@ -112,6 +125,10 @@ class Result(InNotebooks, JsonOutput):
 
         check_callable("progress", progress)
         return what_if(self.speed_question(), ChangeSteps(share=share, shift=shift, turn=turn), progress)
+
+    def limits_table(self) -> NotebookTable:
+        """All limits by falling share that is used, those that set the speed first."""
+        return limits_table(self.uses, self.setting_rows())
 
     def summary(self) -> str:
         """The outcome in one or two sentences, and a line for each warning."""
@@ -197,10 +214,26 @@ class ScalingResult(Result):
         yield NotebookTable(("", ""), rows)
         yield self.limits_table()
 
-    def limits_table(self) -> NotebookTable:
-        """All limits by falling share that is used, rates too, with those that end the range where it is played."""
-        ends = () if self.c2 is None else self.range.ends_at(self.c2)
-        return limits_table([*self.limit_uses, *rate_uses(self)], {row.name for _, end in ends for row in end.rows})
+    @property
+    def done(self) -> ScaledTrajectory:
+        """The trajectory.
+
+        Raises:
+            ValueError: If there is none.
+        """
+        if self.trajectory is None:
+            raise ValueError("there is no trajectory: no c² was chosen")
+        return self.trajectory
+
+    @property
+    def uses(self) -> list[LimitUse]:
+        """How much of each limit is used, rates too, by falling share; nothing without a trajectory."""
+        return by_share([*self.limit_uses, *rate_uses(self)])
+
+    def setting_rows(self) -> list[RowName]:
+        """What ends the range at c²; nothing of a retimed motion, whose timing tells it."""
+        ends = () if self.c2 is None or self.origin else self.range.ends_at(self.c2, AT_END)
+        return [row.name for _, end in ends for row in end.rows]
 
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:
@@ -310,9 +343,7 @@ class ScalingResult(Result):
         Raises:
             ValueError: If there is no trajectory.
         """
-        done = self.trajectory
-        if done is None:
-            raise ValueError("there is no trajectory to check")
+        done = self.done
         arms, carried = (float(np.max(np.abs(of))) for of in (done.torque - done.inverse_dynamics, done.unbalanced))
         return Residuals(largest_excess(limit_rows(self.cell, self.motion), done), arms, carried)
 

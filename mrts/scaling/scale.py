@@ -145,7 +145,9 @@ def chosen_factor(
         SolverError: If no solver answers.
     """
     result, rows, refinement = admissible_range(cell, motion, options, progress)
-    result, factors = within_rate_limits(result, rows)
+    factors = None
+    if options.rates is not None:
+        result, factors = within_rate_limits(result, rows)
     found = result.range
     if not found.status.admits_motion or options.load == "possible":
         return result, rows
@@ -263,20 +265,21 @@ def choose_c2(
         SelectionError: If the value is not admissible, not finite, or not above 0.
     """
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    high, interval = found.upper.c2, found.text(digits=6)
+    high = found.upper.c2
     unlimited = found.status is RangeStatus.UNBOUNDED
     if select == "auto":
         select = "nominal" if unlimited else "fastest"
     if select == "fastest":
         if unlimited:
-            raise SelectionError(f"no limit depends on the speed: c² ∈ {interval}. Choose a value.")
+            raise SelectionError(f"no limit depends on the speed: c² ∈ {found.text(digits=6)}. Choose a value.")
         if high <= 0:
-            still = f"c² ∈ {interval}: the cell can only hold still. The upper end is set {found.upper.place()}."
-            raise SelectionError(still)
+            still = f"c² ∈ {found.text(digits=6)}: the cell can only hold still."
+            raise SelectionError(f"{still} The upper end is set {found.upper.place()}.")
         return high
     given = 1.0 if isinstance(select, str) else select
     too_large = abs(given) > sys.float_info.max  # Python's whole numbers have no end
     c2 = float("inf" if given > 0 else "-inf") if too_large else float(given)
+    interval = found.text(digits=6)
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
     if (admitted := found.admitted(c2, END_TOLERANCE)) is not None:

@@ -14,7 +14,7 @@ from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import aligned, first_names
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
+from mrts.cell.cell_change import CellChange, ChangeSteps, cell_changes
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, following_again
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.range import ScalingRange
@@ -181,15 +181,14 @@ class WhatIf(InNotebooks):
         """How many changes matter less than those of the table, and what does nothing, counted by kind."""
         matter = sum(one.matters for one in self.changes)
         left = matter - sum(len(table.rows) for table in self.notebook_tables())
-        kinds = {one.change.what: one.change.kind for one in self.changes}
-        counts = Counter(SPOKEN_CHANGES[kinds[what]] for what in self.without_effect)
-        parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
+        kind_of = {one.change.what: one.change.kind for one in self.changes}
+        kinds = Counter(kind_of[what] for what in self.without_effect)
         told = [f"{left} more changes matter less (--json has all)"] if left else []
-        if parts:
+        if kinds:
+            counted = ", ".join(f"{kind} {count}" for kind, count in kinds.items())
             stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
-            listed = ", ".join(parts)
-            nothing = f"nothing {'else ' if matter else ''}matters"
-            told.append(f"{nothing}: {listed} may be changed as much, one at a time, and {stays}")
+            nothing = f"nothing {'else ' if matter else ''}matters ({counted})"
+            told.append(f"{nothing}: each may be changed as much, one at a time, and {stays}")
         return "; ".join(told)
 
     def to_json(self) -> dict[str, Any]:
@@ -282,16 +281,7 @@ def range_question(result: "ScalingResult") -> SpeedQuestion:
 def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
     status, upper = found.status, found.upper
     if not status.admits_motion or upper is None:
-        return SpeedAnswer(status=status.value, reason=_why_not(found))
+        return SpeedAnswer(status=status.value, reason=found.reason())
     duration = float(given / np.sqrt(upper.c2)) if upper.c2 > 0 else inf
     limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
     return SpeedAnswer(status=status.value, c2=upper.c2, duration=duration, limits=limits)
-
-
-def _why_not(found: ScalingRange) -> str:
-    samples = found.samples
-    if not samples.conflicts:
-        return found.explain().removesuffix(found.status.advice).rstrip(". ")
-    worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
-    names = first_names(list(dict.fromkeys(row.name.short for row in worst.rows)), MOST_NAMED)
-    return f"at {len(samples.conflicts)} of {len(samples.time)} samples; at t = {worst.time:.4g} s {names} conflict"

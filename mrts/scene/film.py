@@ -18,8 +18,8 @@ from mrts.base.argument_types import Progress, require_extra
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import cut, printable
-from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import COLOURS
+from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at
 from mrts.scene.renderer import Clip, Frame, SceneRenderer, silent

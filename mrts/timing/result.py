@@ -16,7 +16,7 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, RowName
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.between_samples import Excess
 from mrts.program.infeasibility import Conflict
@@ -26,6 +26,7 @@ from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
+from mrts.scaling.limit_use import LimitUse
 from mrts.scaling.options import Options
 from mrts.scaling.remarks import motion_remarks
 from mrts.scaling.result import Result, ScalingResult, kept_text
@@ -276,6 +277,19 @@ class RetimingResult(Result):
             found += [(tuple(sorted(rows, key=str)), share) for rows, share in zip(binding, shares, strict=True)]
         return found
 
+    @property
+    def uses(self) -> list[LimitUse]:
+        """How much of each limit is used, rates too, by falling share; nothing without a profile."""
+        return [] if self.retimed is None else self.retimed.uses
+
+    def setting_rows(self) -> list[RowName]:
+        """What limits the speed somewhere along the path, by falling share of the duration."""
+        shares = dict.fromkeys((use.name for use in self.uses), 0.0)
+        for told, share in self.segment_limits:  # the two sides of a row apart: both do not bind at once
+            for name in shares:
+                shares[name] += share * _limits(name, told)
+        return sorted((name for name in shares if shares[name] > 0), key=lambda name: -shares[name])
+
     def _binding(self, part: TimedPiece) -> list[set[ActiveRow]]:
         """The limits that bind on every segment.
 
@@ -356,3 +370,10 @@ class RetimingResult(Result):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | self.retimed.played_json(done)
+
+
+def _limits(name: RowName, told: Sequence[ActiveRow | str]) -> bool:
+    """Whether a row limits a timing; a smooth one names `rate of left/elbow torque` for its torque rate."""
+    text, kind = str(name), name.kind.split()[-1]
+    rate = f"{kind} of {text.removesuffix(f' {kind}')}" if kind in {"rate", "jerk"} else text
+    return any(of in {text, rate} if isinstance(of, str) else of.name == name for of in told)

@@ -11,7 +11,8 @@ from mrts.base.remark import Remark
 from mrts.base.words import interval_text
 from mrts.collisions.clearance import Clearance
 from mrts.limits.rows import Side
-from mrts.plots.card import Card, Nearness
+from mrts.plots.card import Card
+from mrts.scaling.limit_use import Nearness
 from mrts.scene.scene import FORCE, MOMENT
 from mrts.viewer.player_state import HeldPoses, PlayerState
 

@@ -23,7 +23,6 @@ from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.plots.card import Card, answer_card
-from mrts.plots.limit_shares import played
 from mrts.program.rate_limits import Rates
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
@@ -129,7 +128,7 @@ class PlayerState:
     @classmethod
     def saved(cls, result: ScalingResult) -> "PlayerState":
         """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
-        done = played(result)
+        done = result.done
         return cls(result, done, Speeds([], done.c, done.c, 1.0, done.c))
 
     def at_speed(self, c: float) -> "PlayerState":
@@ -225,7 +224,7 @@ def _admits(result: ScalingResult, c2: float) -> bool:
 def _trajectory(result: ScalingResult, timing: RetimingResult | None, c2: float) -> ScaledTrajectory:
     cell, motion, options = result.cell, result.motion, result.options
     if timing is not None and c2 == 1:
-        return played(result)
+        return result.done
     if not _admits(result, c2):
         torque, wrench = widened_torques(cell, motion, options, c2)
     else:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance
-from mrts.plots.card import LimitBar
+from mrts.scaling.limit_use import LimitUse
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
 from mrts.scene.held_body import held_body, outlines, shape_surface
@@ -108,7 +108,7 @@ class ViewerScene:
         colours = np.where(passed[:, None, None], np.array(OVER_LIMIT), np.array(PATH)).astype(np.uint8)
         self._path.points, self._path.colors = steps, np.repeat(colours, 2, axis=1)
 
-    def mark(self, deciding: LimitBar | None) -> None:
+    def mark(self, deciding: LimitUse | None) -> None:
         """Let the joint or the hand stand out whose limit decides how fast the motion may be played, or none."""
         for robot, part, drawn in self._parts:
             drawn.color = part.colour(None if deciding is None else deciding.body(robot))

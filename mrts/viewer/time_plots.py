@@ -11,9 +11,7 @@ import numpy as np
 import viser
 
 from mrts.base.printable import html_text
-from mrts.plots.labels import shortened
-from mrts.plots.limit_shares import played
-from mrts.plots.plot import END_COLOURS, Axis, Line, Panel, level, time_axis
+from mrts.plots.plot import END_COLOURS, Axis, Line, Panel, level, shortened, time_axis
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
 from mrts.plots.trajectory_plots import limits_plot
@@ -34,7 +32,7 @@ OVER = "#F03E3E"
 
 def time_panels(result: ScalingResult) -> dict[str, Panel]:
     """What is plotted of a result with a trajectory, by title."""
-    done, found = played(result), result.range
+    done, found = result.done, result.range
     x = time_axis(done.time)
     c2 = [
         Line(x=done.time, y=getattr(found.samples, side), label=label, color=END_COLOURS[side])

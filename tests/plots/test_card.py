@@ -13,10 +13,7 @@ from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
 from mrts.plots import result_plots, write_plots
 from mrts.plots.card import MOST_BARS, answer_card
-from mrts.plots.labels import short_name
-from mrts.plots.limit_shares import all_shares
-from mrts.report.tables import margins_table
-from mrts.scaling.limit_use import by_share, limited_quantities, rate_uses
+from mrts.scaling.limit_use import limited_quantities, limited_rows, rate_uses
 
 pytestmark = pytest.mark.quick
 
@@ -60,7 +57,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     cell = mrts.load_cell(shipped / "cell.yaml")
     real = equipped(cell, armature=0.1, coulomb=1.0, viscous=0.5, torque_speed=[[0, 200.0], [4, 20]], rated=30.0)
     result = mrts.scale(real, mrts.load_motion(shipped / "lift_and_turn.yaml"))
-    kinds = {use.name.kind for use in by_share(result.limit_uses)}
+    kinds = {use.name.kind for use in result.uses}
     assert kinds >= {"torque", "velocity", "contact", TORQUE_SPEED, "motor speed"}
     write_plots(result_plots(result), tmp_path / "plots")
     mrts.write_report(result, tmp_path / "report.html")
@@ -68,8 +65,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     again = mrts.load_result(tmp_path / "result.npz")
     assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
-    named = {row[0][0] for row in margins_table(result, {}).rows}
-    assert named == {short_name(use.name) for use in by_share(result.limit_uses)}
+    assert {row[0] for row in result.limits_table().rows} == {use.label for use in result.uses}
 
 
 def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):
@@ -78,26 +74,26 @@ def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):
     ratio, durations, limit = card.outcome.split(" · ")
     assert float(ratio.split()[0]) == pytest.approx(np.sqrt(end.c2), rel=5e-3)  # three digits
     assert durations == f"{found.duration:.4g} s (given 0.8 s)"
-    assert limit.startswith("limited by right/wrist_2_turn velocity, 3.142 rad/s, at ")
+    assert limit.startswith("limited by right/wrist_2_turn velocity (3.14159 rad/s), at ")
     assert float(limit.split()[-2]) == pytest.approx(end.time / np.sqrt(end.c2), rel=1e-3)
-    names, shares = all_shares(found)
-    largest = np.sort(np.max(shares, axis=0))[::-1][:MOST_BARS]
+    used = limited_rows(found.trajectory)
+    largest = np.sort(np.max(used.share, axis=0))[::-1][:MOST_BARS]
     assert [bar.share for bar in card.bars] == pytest.approx(largest.tolist())
     assert [bar.nearness for bar in card.bars] == ["reached", "near", "near", "free", "free"]
     for bar in card.bars:
-        row = [str(name) for name in names].index(bar.label)
-        share = shares[np.flatnonzero(found.trajectory.time == bar.time)[0], row]
+        share = used.share[bar.sample, used.rows.index(bar.name)]
+        assert found.trajectory.time[bar.sample] == bar.time
         assert share == pytest.approx(bar.share, abs=5e-4)
 
 
 def test_a_slower_speed_says_what_would_be_possible_and_an_infeasible_one_why_not(planar_cell, lift):
     slower = answer_card(mrts.scale(planar_cell, lift, 1.0)).outcome
     assert slower.startswith(
-        "1 × as fast · 0.5236 s (given 0.5236 s) · up to 1.75 × as fast, limited by left/elbow torque ↑"
+        "1 × as fast · 0.5236 s (given 0.5236 s) · up to 1.75 × as fast, limited by left/elbow torque (upper, 80 N m)"
     )
     heavy = answer_card(mrts.scale(planar_cell.with_mass(24.0), lift))
     assert heavy.bars == ()
-    assert heavy.outcome.startswith("no speed keeps all limits · worst conflict at t = 0 s: left/elbow ↑")
+    assert heavy.outcome.startswith("no speed keeps all limits · at 51 of 101 samples; at t = 0 s left/elbow ↑")
     assert answer_card(mrts.retime(planar_cell.with_mass(24.0), lift)).outcome.startswith("no timing: ")
 
 

@@ -5,9 +5,9 @@ import pytest
 from conftest import DATA, UR5
 
 import mrts
-from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import value_ends
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
+from mrts.plots.trajectory_plots import limit_shares
 
 ROUNDING = 1e-9
 """Rows and their limits are the same numbers, divided in another order."""

@@ -21,7 +21,7 @@ from mrts.plots import (
     trajectory_plot,
     write_plots,
 )
-from mrts.plots.plot import Axis, Band, Line, Panel, Plot, Points, level, names_axis, rectangles
+from mrts.plots.plot import Axis, Band, Line, Panel, Plot, Points, level, rectangles
 from mrts.plots.plotly_drawer import plotly_figure
 
 
@@ -49,8 +49,6 @@ def test_every_kind_of_result_has_legible_figures(kind, planar_cell, dual_ur5, l
     expected = set() if found.origin else {"c2_range"}
     if found.trajectory is not None:
         expected |= {"torques_and_wrenches", "limits", "power_and_energy"}
-    if found.load is not None and found.load.points:
-        expected |= {"load_study"}
     assert names == expected
     for plot in result_plots(found):
         check_legible(matplotlib_figure(plot))
@@ -92,7 +90,7 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
              Points(x=x[:1], y=x[:1], texts=["here"], label="mark")]  # fmt: skip
     bars = rectangles([(0.0, 3.0), (-4.0, 0.0)], np.array([-0.3, 0.7]), np.array([0.3, 1.3]), label="bars")
     above = Axis(label="force", ends=(-6.0, 2.0))
-    below = names_axis(["one", "two"], ["#000", "#000"], [True, False])
+    below = Axis(names=["one", "two"], colors=["#000", "#000"], strong=[True, False], ends=(1.6, -0.6))
     panels = [Panel(x=time, y=above, items=items), Panel(x=time, y=below, items=[bars])]
     plot = Plot(name="p", title="t", rows=[[panel] for panel in panels], shared=True, clock="played")
     above, below = matplotlib_figure(plot).axes

@@ -12,7 +12,6 @@ import mrts
 from mrts.cell.motors import JointMotors
 from mrts.cli import main
 from mrts.program.rate_limits import given_rate_limits, rate_limits
-from mrts.report.tables import margins_table
 from mrts.scaling.constant_rates import RATE_MARGIN
 from mrts.scaling.limit_use import rate_uses
 
@@ -89,5 +88,5 @@ def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, l
     assert kept.trajectory.c2 < done.c2
     assert rate_uses(kept)[0].share == pytest.approx(1, abs=2 * RATE_MARGIN)
     assert [one.code for one in kept.warnings] == ["step-at-ends"]
-    listed = {row[0][0] for row in margins_table(kept, {}).rows}
+    listed = {row[0] for row in kept.limits_table().rows}
     assert listed >= {str(use.name) for use in rate_uses(kept)}

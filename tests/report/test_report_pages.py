@@ -1,7 +1,6 @@
 """Reports of results in a real browser: they open offline and play."""
 
 import re
-from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from report_pages import data_of, own_text
 from shown_results import KINDS, result_of
 
 import mrts
-from mrts.plots.limit_shares import all_shares
 
 LARGEST = 2_100_000
 """Bytes of a report of an ordinary motion or study, 1.84 million of them plotly.js."""
@@ -59,21 +57,14 @@ def opened(page, path):  # noqa: F811
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in PLOTTED_LIKE_ANOTHER])
 def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell, dual_ur5, lift, tmp_path, page):  # noqa: F811
     found = result_of(kind, planar_cell, dual_ur5, lift, tmp_path)
-    stops = None
-    with suppress(mrts.MrtsError):  # of what no override plays
-        stops = mrts.SpeedOverride(found).stops()
-    mrts.write_report(found, tmp_path / "report.html", stops)
+    mrts.write_report(found, tmp_path / "report.html")
     expected = set() if found.origin else {"plot-c2_range"}
     robots = len(found.cell.robots)
     if found.trajectory is not None:
         expected |= {f"plot-torques_and_wrenches-{n}" for n in range(3 * robots)}
         expected |= {f"plot-power_and_energy-{n}" for n in range(robots + 1)}
-        kinds = {name.kind for name in all_shares(found)[0]}
+        kinds = {use.name.kind for use in found.uses}
         expected |= {f"plot-limits-{number}" for number in range(len(kinds))} if len(kinds) > 1 else {"plot-limits"}
-    if found.load is not None and found.load.points:
-        expected.add("plot-load_study")
-    if stops is not None:
-        expected.add("plot-stops")
     assert opened(page, tmp_path / "report.html") == expected
     assert page.problems == []
 

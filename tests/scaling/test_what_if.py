@@ -116,7 +116,7 @@ def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(pl
     assert durations == sorted(durations)
     assert planar_changes.without_effect == ("left/wrist", "right/wrist")
     question, _head, *table, last = str(planar_changes).splitlines()
-    assert last.startswith("14 more changes matter less (--json has all); nothing else matters: 2 torque limits may be")
+    assert last.startswith("14 more changes matter less (--json has all); nothing else matters (torque 2): each may be")
     assert question.endswith("now 0.2992 s at c² = 3.062")
     assert " ".join(table[0].split()) == "mass -10 % time -0.804 % 0.2968 s left/elbow, right/elbow, left/fx and 3 more"
     effects = [float(row.partition(" time ")[2].partition(" %")[0]) for row in table]
@@ -129,9 +129,8 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
     found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
     lost = found["mass +80 %"]
     assert lost.after.status == "infeasible"
-    assert str(lost) == (
-        "mass +80 %: infeasible: at 20 of 101 samples; at t = 0 s left/elbow, right/elbow, left/fx and 1 more conflict"
-    )
+    told = "at 20 of 101 samples; at t = 0 s left/elbow ↑, right/elbow ↓, left/fx ↑ and 1 more conflict"
+    assert str(lost) == f"mass +80 %: infeasible: {told}"
     far = found["left base y -900 mm"]
     assert far.after.status == "unreachable"
     assert "robot 'left'" in far.after.reason

@@ -14,7 +14,7 @@ from shipped_cells import shipped
 
 import mrts
 from mrts.plots.card import answer_card
-from mrts.plots.limit_shares import limit_shares
+from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene import film
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
 from mrts.scene.film import KIND_COLOURS, Composition, write_film, write_picture

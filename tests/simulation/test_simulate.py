@@ -257,8 +257,7 @@ def test_the_command_finds_a_plan_that_is_kept(tmp_path):
         DATA / "dual_ur5" / "lift_and_turn.yaml",
         tmp_path / "plan.csv",
     )
-    done = mrts_command("scale", cell, motion, "--reserve", "auto", "--csv", plan, "--plot", tmp_path / "plots")
+    done = mrts_command("scale", cell, motion, "--reserve", "auto", "--csv", plan)
     assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "plots" / "reserve.png").exists()
     assert mrts_command("simulate", cell, plan).returncode == 0
     assert mrts_command("configurations", cell, motion, "--reserve", "auto").returncode == 2

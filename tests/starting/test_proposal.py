@@ -67,7 +67,7 @@ def test_what_is_written_is_what_was_tried_and_has_room(two_ur5, tmp_path):
     assert result.range.upper.c2 == pytest.approx(two_ur5.result.range.upper.c2, rel=1e-9)
     assert result.range.upper.c2 >= 4  # twice as fast
     assert result.cell.mass == 4.0
-    assert not {warning.code for warning in result.warnings} & {"other-start", "factor-above-10"}
+    assert not {warning.code for warning in result.warnings} & {"other-start"}
     assert mrts.load_motion(motion).position[-1, 2] > mrts.load_motion(motion).position[0, 2]
     start = np.concatenate([robot["posture"] for robot in two_ur5.cell["robots"]])
     assert two_ur5.result.motion.q[0] == pytest.approx(start, abs=1e-6)

@@ -16,9 +16,9 @@ import mrts
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_file import urdf_files
 from mrts.cli import main
-from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
+from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene.scene import OVER_LIMIT
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
