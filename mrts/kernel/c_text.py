@@ -9,7 +9,7 @@ from posixpath import dirname, join, normpath
 
 from mrts.base.manifest import LOAD_ENTRIES, Manifest
 
-PROGRAM_FILES = ("linear_programs.c", "quadratic_programs.c", "speed_intervals.c", "batch.c", "projections.c")
+PROGRAM_FILES = ("batch.c", "projections.c")
 """The programs, which need no cell."""
 
 TRACKING_FILES = ("tracking.c",)
@@ -47,7 +47,7 @@ GENERATED = re.compile(r'^#include "cell\w*\.h"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:
-    """The text of a file in mrts/kernel/c, such as "linear_programs.c"."""
+    """The text of a file in mrts/kernel/c, such as "batch.c"."""
     return (Path(__file__).parent / "c" / name).read_text(encoding="utf-8")
 
 
@@ -71,12 +71,12 @@ def one_text(names: tuple[str, ...]) -> str:
 
 def programs_source() -> str:
     """The C text of the library of programs."""
-    return f"#define MRTS_LOCAL static\n{one_text(PROGRAM_FILES)}"
+    return one_text(PROGRAM_FILES)
 
 
 def smooth_source() -> str:
     """The C text of the library of smooth timing."""
-    return f"{SMOOTH_LEVEL}#define MRTS_LOCAL static\n{one_text((SMOOTH,))}"
+    return SMOOTH_LEVEL + one_text((SMOOTH,))
 
 
 def motion_macros(manifest: Manifest) -> dict[str, int | str]:
@@ -85,7 +85,6 @@ def motion_macros(manifest: Manifest) -> dict[str, int | str]:
     components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
     first = list(accumulate(joints, initial=0))
     macros: dict[str, int | str] = {
-        "MRTS_LOCAL": "static",
         "MRTS_JOINTS": first[-1],
         "MRTS_FIRST_JOINTS": f"{{{', '.join(map(str, first))}}}",
         "MRTS_MOST_JOINTS": max(joints),

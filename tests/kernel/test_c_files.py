@@ -32,7 +32,7 @@ PLANAR = {
     "MRTS_KINEMATICS_LANES": "kinematics_lanes",
     "MRTS_BIAS_ACCELERATION_LANES": "bias_acceleration_lanes",
 }
-EXPORTED = ("linear_programs.c", "quadratic_programs.c", "speed_intervals.c")
+EXPORTED = ("linear_programs.h", "quadratic_programs.h", "speed_intervals.h")
 FILES = sorted(str(path.relative_to(C)) for path in C.rglob("*.c") if path.parent.name != "exported")
 """All but those of an exported library, which want a cell's numbers: tests/codegen/test_embedded.py compiles them."""
 
@@ -81,7 +81,7 @@ def test_structures_are_laid_out_as_the_compiler_does(name, tmp_path):
     checks = [f"offsetof({name}, {field}) == {place}" for field, place in places.items()]
     checks.append(f"sizeof({name}) == {ctypes.sizeof(made)}")
     asserted = "".join(f'_Static_assert({check}, "{check}");\n' for check in checks)
-    text = f"#include <stddef.h>\n#define MRTS_LOCAL static\n{one_text((STRUCTURES[name],))}\n{asserted}"
+    text = f"#include <stddef.h>\n{one_text((STRUCTURES[name],))}\n{asserted}"
     (tmp_path / "check.c").write_text(text)
     compiler = shutil.which("gcc") or shutil.which("cc")
     command = [compiler, "-std=c11", "-w", "-fsyntax-only", tmp_path / "check.c"]

@@ -16,12 +16,6 @@
 #endif
 typedef MRTS_REAL mrts_real;
 
-/* Linkage of what one file offers to the others: `static` where all files are one text, external where each is read or
- * compiled alone; `static inline` where a text takes only some of it. */
-#ifndef MRTS_LOCAL
-#define MRTS_LOCAL
-#endif
-
 /* What Python calls. */
 #ifndef MRTS_EXPORT
 #define MRTS_EXPORT __attribute__((visibility("default")))
@@ -94,6 +88,6 @@ static inline mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) 
 }
 
 #include "number_type.inc"
-#include "factors.inc"
+#include "answers.inc"
 
 #endif

@@ -10,17 +10,16 @@
 #if PLANAR_DUAL_ARM_SINGLE
 #define MRTS_SINGLE
 #endif
-#define MRTS_LOCAL static
 #include "kernel/numbers.h"
 #include "kernel/rows.h"
 #if PLANAR_DUAL_ARM_POINTS || PLANAR_DUAL_ARM_THINGS
 #include "kernel/point_motion.h"
 #endif
-#include "kernel/linear_programs.c"
+#include "kernel/linear_programs.h"
 #if PLANAR_DUAL_ARM_MOTORS
-#include "kernel/speed_intervals.c"
+#include "kernel/speed_intervals.h"
 #endif
-#include "kernel/quadratic_programs.c"
+#include "kernel/quadratic_programs.h"
 #include "planar_dual_arm_tables.h"
 
 enum {

@@ -11,17 +11,16 @@
 #if CELL_SINGLE
 #define MRTS_SINGLE
 #endif
-#define MRTS_LOCAL static
 #include "../numbers.h"
 #include "../rows.h"
 #if CELL_POINTS || CELL_THINGS
 #include "../point_motion.h"
 #endif
-#include "../linear_programs.c"
+#include "../linear_programs.h"
 #if CELL_MOTORS
-#include "../speed_intervals.c"
+#include "../speed_intervals.h"
 #endif
-#include "../quadratic_programs.c"
+#include "../quadratic_programs.h"
 #include "cell_tables.h"
 
 enum {

@@ -63,9 +63,7 @@ static inline void mrts_take_lane(int count, const mrts_lanes *from, int lane, d
 
 #define MRTS_IN_LANES
 #include "../number_type.inc"
-#include "../factors.inc"
-#include "../kept_basis.inc"
-#include "../residuals.inc"
+#include "../answers.inc"
 #undef MRTS_IN_LANES
 
 #endif
