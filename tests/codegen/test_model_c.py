@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import DATA, ROOT
 from exported_library import run, tool
-from mrts_codegen.embedded.export_library import TEMPLATES, decided, filled
+from mrts_codegen.embedded.export_library import TEMPLATES, filled
 from mrts_codegen.generate import generate_cell
 from mrts_codegen.model_c import ANGLES, OPERATIONS, model_c
 
@@ -29,10 +29,10 @@ def functions_of(cell):
 def compiled(functions, precision, folder):
     """The functions as a shared library, as an export has them; in lanes as well where they are doubles."""
     words = {"NOTICE": "", "MODEL": model_c({f"x_{short}": one for short, one in functions.items()})}
-    template = decided((TEMPLATES / "cell_model.c").read_text(), {"SINGLE": precision == "float"})
-    text = filled(template.replace("cell_", "x_"), words)
+    text = filled((TEMPLATES / "cell_model.c").read_text().replace("cell_", "x_"), words)
     joints = min(one.numel_in(0) for one in functions.values())  # all take them first
-    (folder / "x_model.h").write_text(f"typedef {precision} x_real;\n#define CELL_JOINTS {joints}\n")
+    sizes = f"#define CELL_JOINTS {joints}\n#define CELL_SINGLE {int(precision == 'float')}\n"
+    (folder / "x_model.h").write_text(f"typedef {precision} x_real;\n{sizes}")
     if precision == "double":
         text += f'#include "lanes/lanes.h"\n#include "lanes/model_of_lanes.inc"\n{words["MODEL"]}'
     (folder / "model.c").write_text(text)
