@@ -4,7 +4,6 @@
 SX folds constant zeros and ones away, so exact constants here are what keeps the generated C short.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -41,23 +40,9 @@ def block_diagonal(blocks: list[Any]) -> Any:
     return ca.densify(ca.diagcat(*blocks))
 
 
-@dataclass(frozen=True)
-class ChainMotion:
-    """Velocities and accelerations of the joint frames, each in its own moved frame.
-
-    Attributes:
-        R: Rotation of each joint's moved frame in the frame before, each Shape (3, 3).
-        p: Its origin in the frame before, each Shape (3,) [m].
-        w: Angular velocity, each Shape (3,) [rad/s].
-        dw: Angular acceleration, each Shape (3,) [rad/s²].
-        a: Acceleration of the origin, each Shape (3,) [m/s²].
-    """
-
-    R: list[Any]
-    p: list[Any]
-    w: list[Any]
-    dw: list[Any]
-    a: list[Any]
+ChainMotion = list[tuple[Any, Any, Any, Any, Any]]
+"""Of each joint's moved frame: its rotation, Shape (3, 3), and origin, Shape (3,) [m], in the frame before; in its own
+axes angular velocity [rad/s] and acceleration [rad/s²], and the acceleration of its origin [m/s²], each Shape (3,)."""
 
 
 def joint_transform(joint: Joint, q: Any) -> tuple[Any, Any]:
@@ -107,7 +92,7 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
         ddq: Joint accelerations, Shape (n,) [rad/s² or m/s²].
         base_acceleration: Acceleration of the base in base axes, Shape (3,) [m/s²].
     """
-    motion = ChainMotion([], [], [], [], [])
+    motion: ChainMotion = []
     w, dw, a = ca.SX.zeros(3), ca.SX.zeros(3), ca.SX(base_acceleration)
     for index, joint in enumerate(robot.joints):
         R, p = joint_transform(joint, q[index])
@@ -119,8 +104,7 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
             w = w + axis * dq[index]
         else:
             a = a + axis * ddq[index] + 2 * ca.cross(w, axis) * dq[index]
-        for values, value in zip((motion.R, motion.p, motion.w, motion.dw, motion.a), (R, p, w, dw, a), strict=True):
-            values.append(value)
+        motion.append((R, p, w, dw, a))
     return motion
 
 
@@ -133,8 +117,7 @@ def spin(w: Any, dw: Any) -> Any:
 def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:
     """J̇q̇ of the tip, the acceleration [v̇; ω̇] at q̈ = 0, in base axes, Shape (6,)."""
     rest = ca.SX.zeros(len(robot.joints))
-    motion = chain_motion(robot, q, dq, rest, ca.SX.zeros(3))
-    w, dw, a = motion.w[-1], motion.dw[-1], motion.a[-1]
+    *_, w, dw, a = chain_motion(robot, q, dq, rest, ca.SX.zeros(3))[-1]
     p = ca.SX(robot.tip.p)
     R = forward_kinematics(robot, q)[-2][0]
     return ca.vertcat(R @ (a + spin(w, dw) @ p), R @ dw)
@@ -168,16 +151,13 @@ def transmitted_torques(robot: RobotModel, motion: ChainMotion, force: Any, mome
     torques: list[Any] = []
     f = ca.SX(robot.tip.R) @ force
     n = ca.SX(robot.tip.R) @ moment + ca.cross(ca.SX(robot.tip.p), f)
-    for index in reversed(range(len(robot.joints))):
-        joint = robot.joints[index]
-        w, dw = motion.w[index], motion.dw[index]
+    for joint, (R, p, w, dw, a) in zip(reversed(robot.joints), reversed(motion), strict=True):
         com, inertia = ca.SX(joint.body.com), ca.SX(joint.body.at_com)
-        own_f = joint.body.mass * (motion.a[index] + spin(w, dw) @ com)
+        own_f = joint.body.mass * (a + spin(w, dw) @ com)
         own_n = inertia @ dw + ca.cross(w, inertia @ w) + ca.cross(com, own_f)
         f, n = f + own_f, n + own_n
         axis = ca.SX(joint.axis)
         torques.insert(0, ca.dot(axis, n if joint.kind == "revolute" else f))
-        R, p = motion.R[index], motion.p[index]
         f = R @ f
         n = R @ n + ca.cross(p, f)
     return torques

@@ -48,7 +48,7 @@ def played_torques(
         f, n = turn @ (force + lacking_force / count), turn @ (moment + lacking_moment / count)
         torques += transmitted_torques(model, motion, f, n)
         both = ca.horzcat(f, n)
-        for R in (*motion.R, ca.SX(model.tip.R))[::-1]:
+        for R in (*(joint[0] for joint in motion), ca.SX(model.tip.R))[::-1]:
             both = R @ both
         wrenches.append(ca.vec(both)[rows])
     return ca.vertcat(*torques), ca.vertcat(*wrenches)
@@ -69,8 +69,7 @@ def _needed(geometry: Geometry, motion: ChainMotion, load: Any) -> tuple[Any, An
     tip, grasp = geometry.models[0].tip, geometry.grasps[0]
     R, p = ca.SX(tip.R) @ ca.SX(grasp.R).T, ca.SX(tip.p)
     origin = p - R @ ca.SX(grasp.p)  # of the object, in the frame of the last joint
-    w, dw = motion.w[-1], motion.dw[-1]
-    a = motion.a[-1] + spin(w, dw) @ origin
-    w, dw, a = R.T @ w, R.T @ dw, R.T @ a
+    *_, w, dw, a = motion[-1]
+    w, dw, a = R.T @ w, R.T @ dw, R.T @ (a + spin(w, dw) @ origin)
     h = load[1:4]
     return linear_balance(load[0], h, a, w, dw), angular_balance(load_inertia(load), h, a, w, dw)

@@ -81,11 +81,13 @@ def _manifest(cell: Any) -> CellManifest:
 
     folder, chains = _chains_in_cache(cell)
     if chains is None:
-        from mrts_codegen.generate import generate_chains  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+        from mrts_codegen.generate import (  # noqa: PLC0415 (the symbolic layer, only if it is needed)
+            generate_chains,
+            write_generated,
+        )
 
-        made = generate_chains(cell, CACHED_STEM)
-        made.write(folder, private=True)
-        chains = made.record
+        chains, c_source, _ = generate_chains(cell, CACHED_STEM)
+        write_generated(folder, chains, c_source, private=True)
     return cell_manifest(cell, chains)
 
 
@@ -112,9 +114,10 @@ def generate_to(path: Path, folder: Path | None) -> tuple[CellManifest, Path]:
     """
     if folder is None:
         return generated_in_cache(path)
-    from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.generate import generate_cell, write_generated  # noqa: PLC0415 (build time, on demand)
 
-    generate_cell(path).write(folder)
+    manifest, c_source, _ = generate_cell(path)
+    write_generated(folder, manifest, c_source)
     return read_generated(folder)
 
 
@@ -238,8 +241,8 @@ def read_urdf(where: Path, folder: Path, urdf: str) -> UrdfReading:
     Raises:
         InputError: If it names a package that is nowhere.
     """
+    from mrts_codegen.urdf.robot_model import urdf_mistakes  # noqa: PLC0415
     from mrts_codegen.urdf.urdf_file import parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
 
     reference = FileReference(urdf, key="")
     path = reference.path(where, folder)
@@ -256,7 +259,7 @@ def read_urdf(where: Path, folder: Path, urdf: str) -> UrdfReading:
 
 def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
     """The arm from a base link, None for the root, to a tip link, and centres of mass of its joints' bodies."""
-    from mrts_codegen.urdf.urdf_survey import arm_chain  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.robot_model import arm_chain  # noqa: PLC0415 (build time, on demand)
 
     robot, com = arm_chain(path, urdf, base_link, tip_link)
     return robot, com

@@ -43,13 +43,13 @@ def test_functions_of_geometry_are_those_with_it_folded_in(tmp_path):
     keys, sources = set(), set()
     for _ in range(3):
         model = read_cell_model(tiago_cell(tmp_path, rng))
-        made = generate_chains(model, CACHED_STEM)
-        keys.add(made.record.chains)
-        sources.add(made.c_source)
+        chains, c_source, functions = generate_chains(model, CACHED_STEM)
+        keys.add(chains.chains)
+        sources.add(c_source)
         geometry = casadi_cell(tmp_path / "cell.yaml").geometry
         folded = build_functions(model, "folded", bake=True)
-        assert made.functions.keys() == folded.keys()
-        for name, function in made.functions.items():
+        assert functions.keys() == folded.keys()
+        for name, function in functions.items():
             given = [rng.uniform(-1, 1, function.size_in(place)) for place in range(function.n_in() - 1)]
             ours, theirs = function.call([*map(ca.DM, given), ca.DM(geometry)]), folded[name].call(given)
             for found, wanted in zip(map(ca.DM.full, ours), map(ca.DM.full, theirs), strict=True):

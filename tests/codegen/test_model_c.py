@@ -23,7 +23,7 @@ TYPES = {"double": (ctypes.c_double, np.float64), "float": (ctypes.c_float, np.f
 
 @cache
 def functions_of(cell):
-    return generate_cell(DATA.parent / cell / "cell.yaml").functions
+    return generate_cell(DATA.parent / cell / "cell.yaml")[2]
 
 
 def compiled(functions, precision, folder):

@@ -30,5 +30,5 @@ class CasadiFunctions(CellFunctions):
 
 def casadi_cell(path):
     """The cell of a file."""
-    made = generate_cell(path)
-    return cell_of(CasadiFunctions(made.record, made.functions), path.resolve().parent)
+    manifest, _, functions = generate_cell(path)
+    return cell_of(CasadiFunctions(manifest, functions), path.resolve().parent)
