@@ -13,8 +13,8 @@ from random_cells import chain_model, configuration
 from scipy.interpolate import CubicSpline
 
 import mrts
-from mrts.following.coordinated_motion import JointCourse, carried_by_first
-from mrts.motion.joint_table import JointSplines
+from mrts.following.coordinated_motion import carried_by_first
+from mrts.motion.joint_table import JointCourse
 
 DEGREE = 5
 HALF_WAY = 0.9  # rad, of the largest coefficient
@@ -53,8 +53,7 @@ class JerkPath:
 
     def motion(self, nodes: int) -> mrts.CoordinatedMotion:
         """The path over the time of a quintic of its arc length, 1 s, as a motion of the cell that knows its course."""
-        time, joints = np.linspace(0, 1, nodes), range(self.coefficients.shape[1])
-        course = JointCourse(tuple(JointSplines(JointAlong(self, joint)) for joint in joints), closed=False)
+        time, course = np.linspace(0, 1, nodes), JointCourse(lambda at, order=0: self.by_time(np.asarray(at))[order])
         return replace(carried_by_first(self.cell, time, *self.by_time(time)), course=course)
 
     def by_time(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -91,18 +90,6 @@ class JerkPath:
     def data(self) -> Any:
         """Of the model."""
         return self.model.createData()
-
-
-@dataclass(frozen=True, eq=False)
-class JointAlong:
-    """One joint of a path by time, as splines are called."""
-
-    path: JerkPath
-    joint: int
-
-    def __call__(self, time: np.ndarray, order: int = 0) -> np.ndarray:
-        """Positions, velocities or accelerations of the joint."""
-        return self.path.by_time(np.asarray(time))[order][:, self.joint]
 
 
 def quintic(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

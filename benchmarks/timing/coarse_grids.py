@@ -26,7 +26,7 @@ from toppra.constraint import DiscretizationType, JointTorqueConstraint
 import mrts
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
-from mrts.motion.joint_table import JointTable, joint_motion
+from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.timing.path_pieces import PathError, path_pieces
@@ -186,7 +186,7 @@ def table(path: ArmPath, grid: Array) -> JointTable:
     """Joint positions alone, at even times."""
     robot = path.cell.robots[0]
     columns = {f"{robot.name}/{joint}": column for joint, column in zip(robot.joints, path.spline(grid).T, strict=True)}
-    return joint_motion(Path("table.csv"), np.linspace(0, LAST, len(grid)), columns, {}, {}, None)
+    return JointTable(Path("table.csv"), np.linspace(0, LAST, len(grid)), columns)
 
 
 def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, mrts.CoordinatedMotion, Array] | None:

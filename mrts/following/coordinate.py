@@ -6,14 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from types import NoneType
 
-import numpy as np
-
 from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, JointCourse, carried_by_first, follow_object
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_first, follow_object
 from mrts.following.grasp_closure import ClosureBound, close_chain
 from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits
 from mrts.motion.joint_table import JointTable
@@ -49,7 +47,7 @@ def coordinate(
     if motion.q.shape[1] != joints:
         raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
     check_joint_limits(cell, motion.object.time, motion.q)
-    return close_chain(cell, motion, bound, "motion", carried=False, source=None)
+    return close_chain(cell, motion, bound, "motion", carried=False)
 
 
 def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:
@@ -59,19 +57,11 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
             raise table.unusable[name]
     told = f"joints that no arm of cell '{cell.name}' has were passed over: {first_names(sorted(extra), MOST_NAMED)}."
     remarks = (Remark("extra-joints", told),) if extra else ()
-    known = table.of(names)
-    q, dq, ddq = (
-        np.column_stack([part[name] for name in names])
-        for part in (known.positions, known.velocities, known.accelerations)
-    )
-    check_joint_limits(cell, known.time, q, PRINTED_TOLERANCE)
-    carried = carried_by_first(cell, known.time, q, dq, ddq)
-    given = CoordinatedMotion(carried.object, q, dq, ddq, (*known.remarks, *remarks))
-    closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.source(names[0]))
-    if not known.splines.keys() >= set(names):
-        return closed
-    splines = tuple(known.splines[name] for name in names)
-    return replace(closed, course=JointCourse(splines, closed is not given))
+    time, joints, course, said = table.of(names)
+    check_joint_limits(cell, time, joints[0], PRINTED_TOLERANCE)
+    carried = carried_by_first(cell, time, *joints)
+    given = replace(carried, remarks=(*said, *remarks), course=course)
+    return close_chain(cell, given, bound, str(table.path), carried=True)
 
 
 def required_columns(cell: Cell, path: Path, columns: Sequence[str]) -> tuple[list[str], list[str]]:

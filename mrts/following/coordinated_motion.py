@@ -17,7 +17,7 @@ from mrts.cell.cell import Cell
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.following.tracking import FURTHER_STARTS, is_redundant, track_variants
 from mrts.kernel.tracking import PATH
-from mrts.motion.joint_table import UNTIMED, JointSplines
+from mrts.motion.joint_table import UNTIMED, JointCourse
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
 OUT_OF_PLANE = 1e-9
@@ -31,23 +31,6 @@ SAME_CHOICE = 1e-4
 
 SAME_CHOICE_RATES = 1e-2
 """The same of its velocities and accelerations (7e-4 off)."""
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class JointCourse:
-    """Splines of what a table makes of all joints between its rows, in the cell's order.
-
-    `closed` says whether the samples were moved from these onto the grasps.
-    """
-
-    joints: tuple[JointSplines, ...]
-    closed: bool
-
-    def __call__(self, time: Array) -> tuple[Array, Array, Array]:
-        """Positions, velocities and accelerations at some times, Shape (k,) [s], each Shape (k, m)."""
-        parts = [joint(time) for joint in self.joints]
-        q, dq, ddq = (np.column_stack([part[order] for part in parts]) for order in range(3))
-        return q, dq, ddq
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -4,7 +4,7 @@
 They miss them by a planner's tolerance, by rounding, or by a spline.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -145,7 +145,7 @@ def slip(
 
 
 def close_chain(
-    cell: Cell, given: CoordinatedMotion, bound: ClosureBound, where: str, *, carried: bool, source: Source | None
+    cell: Cell, given: CoordinatedMotion, bound: ClosureBound, where: str, *, carried: bool
 ) -> CoordinatedMotion:
     """Given joints that hold every grasp: unchanged where they do already, else moved onto the grasps.
 
@@ -160,6 +160,7 @@ def close_chain(
     """
     if holds(cell, given, (min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle)), GIVEN_SLIP):
         return given
+    source = given.course.source if carried and given.course else None
     tips = tip_motions(cell, given.q, given.dq, given.ddq)
     gaps = grasp_gaps(cell, given.object, tips)
     robot, sample, share, text = _worst(gaps, bound)
@@ -190,7 +191,8 @@ def close_chain(
     dq, ddq = nearest_rates(cell, target, q, given.dq, given.ddq)
     moved = float(np.max(np.abs(q - given.q)))
     told = remarks + _correction(cell, gaps, bound, moved)
-    return unchecked_coordinated_motion(target, q, dq, ddq, None, told)
+    course = given.course and replace(given.course, closed=True)
+    return unchecked_coordinated_motion(target, q, dq, ddq, None, told, course)
 
 
 def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:

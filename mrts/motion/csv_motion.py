@@ -15,7 +15,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.rigid_transform import rotations_from_quaternions
-from mrts.motion.joint_table import JointTable, joint_motion, joint_waypoints
+from mrts.motion.joint_table import JointTable, joint_waypoints
 from mrts.motion.object_courses import spline_motion
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.rounded_samples import derivative
@@ -108,7 +108,7 @@ def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> 
         for joint in parts[part]:
             if joint not in parts[below]:
                 raise InputError(path, f"the column '{part}.{joint}' needs a column '{below}.{joint}'.")
-    return joint_motion(path, time, parts["q"], parts["dq"], parts["ddq"], samples)
+    return JointTable(path, time, parts["q"], parts["dq"], parts["ddq"], samples=samples)
 
 
 def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:

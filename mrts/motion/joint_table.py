@@ -14,7 +14,7 @@ from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.motion.object_courses import smoothing_remark
 from mrts.motion.object_motion import check_derivatives, noise_allowed
-from mrts.motion.rounded_samples import Spline, smoothing_splines, splines_through
+from mrts.motion.rounded_samples import Spline, joined, smoothing_splines, splines_through
 from mrts.motion.rows_at_rest import moving_rows
 
 UNTIMED = "untimed"
@@ -43,15 +43,18 @@ Source = Literal["positions", "velocities"]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class JointSplines:
-    """What a table makes of one joint at any time: the spline of its position [rad or m], and that of a given velocity.
+class JointCourse:
+    """What a table makes of m joints between its rows.
 
-    `moved` says by how much positions were smoothed by their rounding, at most [rad or m].
+    Attributes:
+        position: Splines of their positions [rad or m].
+        rate: Splines of velocities that were given.
+        closed: Whether the samples were moved from these onto the grasps.
     """
 
     position: Spline
     rate: Spline | None = None
-    moved: float = 0.0
+    closed: bool = False
 
     @property
     def source(self) -> Source:
@@ -59,43 +62,56 @@ class JointSplines:
         return "positions" if self.rate is None else "velocities"
 
     def __call__(self, time: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration at some times, Shape (k,) [s]."""
-        rate = (self.position, 1) if self.rate is None else (self.rate, 0)
-        orders = ((self.position, 0), rate, (rate[0], rate[1] + 1))
-        position, velocity, acceleration = (
-            np.asarray(spline(time, order), dtype=np.float64) for spline, order in orders
-        )
-        return position, velocity, acceleration
+        """Positions, velocities and accelerations at some times, Shape (k,) [s], each Shape (k, m)."""
+        rate, order = (self.position, 1) if self.rate is None else (self.rate, 0)
+        values = self.position(time), rate(time, order), rate(time, order + 1)
+        q, dq, ddq = (np.asarray(of, dtype=np.float64) for of in values)
+        return q, dq, ddq
+
+
+JointRows = tuple[Array, tuple[Array, Array, Array], JointCourse | None, tuple[Remark, ...]]
+"""Times, positions, velocities and accelerations, their course, and remarks, as `JointTable.of` returns them."""
 
 
 @dataclass(frozen=True, repr=False)
 class JointTable:
-    """N samples of joint motion by column name; which joint a column is of, the cell tells.
+    """N rows of joint motion by column name, as given; which joint a column is of, the cell tells.
 
     Attributes:
         path: The file, for messages.
         time: Shape (N,) [s], strictly increasing from 0.
         positions: Column "robot/joint" to positions, each Shape (N,) [rad or m]. A name that is no robot's may stand
             for it where one robot alone has such a joint.
-        velocities: Likewise [rad/s or m/s].
-        accelerations: Likewise [rad/s² or m/s²].
+        velocities: Likewise [rad/s or m/s]; what is missing is that of the C² spline of `splines_through`.
+        accelerations: Likewise [rad/s² or m/s²]; without them those of the cubic spline through the velocities.
         remarks: What to know of how it was read.
-        splines: The columns whose velocities, or accelerations only, were not given, between the rows as well.
+        samples: How many even times the motion is taken at; None takes those of the rows.
+        smooth: Splines of the positions that stand for these.
         unusable: Columns that could not be read together with the others, and why; a cell that needs one says so.
+
+    Raises:
+        InputError: If accelerations come with a number of samples.
     """
 
     path: Path
     time: Array
     positions: dict[str, Array]
-    velocities: dict[str, Array]
-    accelerations: dict[str, Array]
+    velocities: dict[str, Array] = field(default_factory=dict)
+    accelerations: dict[str, Array] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
-    splines: dict[str, JointSplines] = field(default_factory=dict)
+    samples: int | None = None
+    smooth: dict[str, Spline] = field(default_factory=dict)
     unusable: dict[str, InputError] = field(default_factory=dict)
+    _found: dict[tuple[str, ...], JointRows] = field(default_factory=dict, init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.samples is not None and self.accelerations:
+            rule = "a table with accelerations keeps its own times: leave 'samples' out."
+            raise InputError(self.path, rule, key="samples")
 
     def __repr__(self) -> str:
         joints = ", ".join(self.positions)
-        return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
+        return f"<JointTable from {self.path.name}: {len(self.time)} rows in {self.time[-1]:.4g} s of {joints}>"
 
     @property
     def untimed(self) -> bool:
@@ -115,25 +131,24 @@ class JointTable:
             raise InputError("smooth", f"must be > 0 and at most {LARGEST_SMOOTHING:g} (rad or m).", value=most)
         if len(self.time) < FEWEST_SMOOTHED:
             raise InputError("smooth", f"needs {FEWEST_SMOOTHED} rows, and {self.path.name} has {len(self.time)}.")
-        names = list(self.positions)
-        splines = smoothing_splines(self.time, np.column_stack([self.positions[name] for name in names]))
-        found = {name: JointSplines(spline) for name, spline in zip(names, splines, strict=True)}
-        q, dq, ddq = ({name: spline(self.time)[order] for name, spline in found.items()} for order in range(3))
-        moved = {name: np.abs(q[name] - self.positions[name]) for name in names}
-        worst = max(names, key=lambda name: float(np.max(moved[name])))
-        largest, at = float(np.max(moved[worst])), self.time[np.argmax(moved[worst])]
-        if largest > most:
-            rule = f"a smooth spline is {largest:.2g} from the position of '{worst}' at t = {at:.4g} s: allow more."
+        names, q = list(self.positions), np.column_stack([*self.positions.values()])
+        splines = smoothing_splines(self.time, q)
+        moved = np.abs(np.column_stack([spline(self.time) for spline in splines]) - q)
+        row, worst = np.unravel_index(int(np.argmax(moved)), moved.shape)
+        deviation = f"{moved[row, worst]:.2g}"
+        if moved[row, worst] > most:
+            rule = f"a smooth spline is {deviation} from '{names[worst]}' at t = {self.time[row]:.4g} s: allow more."
             raise InputError("smooth", rule, value=most)
         text = (
-            f"the joint positions were smoothed: '{worst}' by {largest:.2g} at t = {at:.4g} s, the largest deviation; "
-            "their rates are those of splines."
+            f"the joint positions were smoothed: '{names[worst]}' by {deviation} at t = {self.time[row]:.4g} s, the "
+            "largest deviation; their rates are those of splines."
         )
         told = (*self.remarks, Remark("smoothed", text))
-        return replace(self, positions=q, velocities=dq, accelerations=ddq, splines=found, remarks=told)
+        smooth = dict(zip(names, splines, strict=True))
+        return replace(self, velocities={}, accelerations={}, smooth=smooth, remarks=told)
 
-    def of(self, joints: list[str]) -> "JointTable":
-        """The part of a table that a cell needs, checked.
+    def of(self, joints: list[str]) -> JointRows:
+        """The motion of m joints, checked, without the rows that hold still before and after it.
 
         Where some of the joints have less than others, all take their derivatives from that: exact accelerations of
         one arm and a spline's of another would not carry the same object.
@@ -141,36 +156,51 @@ class JointTable:
         Args:
             joints: Columns of this table.
 
+        Returns:
+            Times, Shape (k,) [s] from 0; positions, velocities and accelerations then, each Shape (k, m); what they are
+            between the rows, None where all is given; and what to know of how they were read.
+
         Raises:
             InputError: If velocities or accelerations contradict the positions, or some of a robot's are missing.
         """
-        self._check_complete(joints)
-        given = (self.positions, self.velocities, self.accelerations)
-        columns = (np.column_stack([part[name] for name in joints]) for part in given)
-        for found in joint_contradictions(joints, self.time, *columns):
-            raise InputError(self.path, found.rule, key=found.where)
-        sources = {self.source(joint) for joint in joints}
-        if len(sources) == 1:
-            moved = max((self.splines[joint].moved for joint in joints if joint in self.splines), default=0.0)
-            smoothing = (smoothing_remark("the joint positions", moved),) if moved > 0 else ()
-            return replace(self, remarks=self.remarks + smoothing)
-        positions, velocities = ({joint: part[joint] for joint in joints} for part in (self.positions, self.velocities))
-        table = joint_motion(self.path, self.time, positions, {} if "positions" in sources else velocities, {}, None)
-        before = {name: spline.moved for name, spline in self.splines.items()}
-        again = {name: replace(one, moved=one.moved or before.get(name, 0.0)) for name, one in table.splines.items()}
-        return replace(table, remarks=self.remarks, splines=again).of(joints)
+        if tuple(joints) not in self._found:  # a sweep asks for each variant; splines of 12 columns take 1 to 10 ms
+            self._found[tuple(joints)] = self._rows(joints)
+        return self._found[tuple(joints)]
 
-    def source(self, column: str) -> Source | None:
-        """What the derivatives of a column that were not given were found from; None if all were given."""
-        return self.splines[column].source if column in self.splines else None
+    def _rows(self, joints: list[str]) -> JointRows:
+        from scipy.interpolate import CubicHermiteSpline, CubicSpline  # noqa: PLC0415 (slow to import, not always used)
+
+        self._check_complete(joints)
+        parts = (self.positions, self.velocities, self.accelerations)
+        most, none = min(sum(name in part for part in parts) for name in joints), np.zeros((len(self.time), 0))
+        q, dq, ddq = (
+            np.column_stack([part[name] for name in joints]) if place < most else none
+            for place, part in enumerate(parts)
+        )
+        kept = slice(None) if self.smooth else moving_rows(self.time, q, dq, ddq)
+        time, q, dq, ddq = (of[kept] for of in (self.time - self.time[kept][0], q, dq, ddq))
+        at = time if self.samples is None else np.linspace(0.0, time[-1], self.samples)
+        course, remarks = None, self.remarks
+        if self.smooth:
+            course = JointCourse(joined([self.smooth[name] for name in joints]))
+        elif not dq.size:
+            spline, moved = splines_through(time, q)
+            course = JointCourse(spline)
+            remarks += (smoothing_remark("the joint positions", moved),) if moved > 0 else ()
+        elif not ddq.size:
+            course = JointCourse(CubicHermiteSpline(time, q, dq), CubicSpline(time, dq))
+        motion = (q, dq, ddq) if course is None else course(at)
+        for found in joint_contradictions(joints, at, *motion):
+            raise InputError(self.path, found.rule, key=found.where)
+        return at, motion, course, remarks
 
     def _check_complete(self, joints: list[str]) -> None:
         """Check that the joints of a robot are all given alike: a column that is missing is rather a mistake."""
-        for part, without in (("dq", ("positions",)), ("ddq", ("positions", "velocities"))):
-            lacking = {joint.rpartition("/")[0]: joint for joint in joints if self.source(joint) in without}
+        for part, columns in (("dq", self.velocities), ("ddq", self.accelerations)):
+            lacking = {joint.rpartition("/")[0]: joint for joint in joints if joint not in columns}
             for joint in joints:
                 other = lacking.get(joint.rpartition("/")[0])
-                if other is not None and self.source(joint) not in without:
+                if joint in columns and other is not None:
                     raise InputError(
                         self.path,
                         f"gives {part} of '{joint}', but not of '{other}'; of a robot's joints, give all or none.",
@@ -186,41 +216,6 @@ def joint_contradictions(joints: Sequence[str], time: Array, q: Array, dq: Array
             check_derivatives(joint, time, q[own], dq[own], ddq[own], noise)
         except InputError as error:
             yield error
-
-
-def joint_motion(
-    path: Path,
-    time: Array,
-    positions: dict[str, Array],
-    velocities: dict[str, Array],
-    accelerations: dict[str, Array],
-    samples: int | None,
-) -> JointTable:
-    """Joint motion as given, by joint Shape (M,); what is missing of a joint is that of a spline through what there is.
-
-    Without velocities that is the C² spline of `splines_through` through its positions; without accelerations the
-    cubic spline through its velocities. It has the given times, Shape (M,) [s], or some number of even ones.
-
-    Raises:
-        InputError: If accelerations come with a number of samples.
-    """
-    if samples is not None and accelerations:
-        raise InputError(path, "a table with accelerations keeps its own times: leave 'samples' out.", key="samples")
-    given = (positions, velocities, accelerations)
-    kept = moving_rows(time, *(_columns(part, given, len(time)) for part in given))
-    time = time[kept] - time[kept][0]
-    positions, velocities, accelerations = ({name: part[name][kept] for name in part} for part in given)
-    at = time if samples is None else np.linspace(0.0, time[-1], samples)
-    q, dq, ddq = dict(positions), dict(velocities), dict(accelerations)
-    through = {joint: _through_rates(time, q[joint], rates) for joint, rates in velocities.items() if joint not in ddq}
-    still = [joint for joint in q if joint not in dq]
-    if still:
-        splines, moved = splines_through(time, np.column_stack([q[joint] for joint in still]))
-        for joint, spline, change in zip(still, splines, moved.tolist(), strict=True):
-            through[joint] = JointSplines(spline, moved=change)
-    for joint, splines_of in through.items():
-        q[joint], dq[joint], ddq[joint] = splines_of(at)
-    return JointTable(path, at, q, dq, ddq, splines=through)
 
 
 def joint_waypoints(path: Path, positions: dict[str, Array], samples: int | None) -> JointTable:
@@ -242,16 +237,4 @@ def joint_waypoints(path: Path, positions: dict[str, Array], samples: int | None
         f"the table has no times, so its {len(way)} rows are waypoints: the path is the C² spline through them by "
         f"distance in joint space, {way[-1]:.4g} (rad, m of prismatic joints), and only its timing is asked for."
     )
-    return replace(joint_motion(path, way, positions, {}, {}, many), remarks=(Remark(UNTIMED, told),))
-
-
-def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: int) -> Array:
-    """What is given of the joints of which most is, Shape (N, k), with no columns where it is not given of them."""
-    best = next(part for part in reversed(given) if part)
-    return np.column_stack([np.zeros((rows, 0)), *(part[name] for name in best if name in part)])
-
-
-def _through_rates(time: Array, q: Array, dq: Array) -> JointSplines:
-    from scipy.interpolate import CubicHermiteSpline, CubicSpline  # noqa: PLC0415 (slow to import, and rarely needed)
-
-    return JointSplines(CubicHermiteSpline(time, q, dq), CubicSpline(time, dq))
+    return JointTable(path, way, positions, remarks=(Remark(UNTIMED, told),), samples=many)

@@ -55,26 +55,16 @@ class ProfiledPath:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class PoseSplines:
-    """Splines of position and quaternion through the rows of a table.
+    """A spline of x, y, z [m] and of a quaternion x, y, z, w through the rows of a table."""
 
-    Attributes:
-        splines: Of x, y, z [m] and of the quaternion's x, y, z, w.
-    """
-
-    splines: tuple[Spline, ...]
+    spline: Spline
 
     def __call__(self, time: Array) -> ObjectRates:
         """The motion at some times, Shape (k,) [s]."""
-        position, turn = (
-            [np.column_stack([spline(time, order) for spline in part]).astype(np.float64) for order in range(3)]
-            for part in (self.splines[:3], self.splines[3:])
-        )
+        values = [np.asarray(self.spline(time, order), dtype=np.float64) for order in range(3)]
+        (position, velocity, acceleration), turn = zip(*(np.split(of, [3], axis=1) for of in values), strict=True)
         rotation, rate, change = _rotation_rates(*turn)
-        twist, acceleration = (
-            np.concatenate([position[1], rate], axis=1),
-            np.concatenate([position[2], change], axis=1),
-        )
-        return position[0], rotation, twist, acceleration
+        return position, rotation, np.hstack([velocity, rate]), np.hstack([acceleration, change])
 
 
 def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, fractions: Fractions) -> ObjectRates:
@@ -152,9 +142,9 @@ def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) 
     """
     flips = np.append(False, np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0)
     turns = quaternions * np.cumprod(np.where(flips, -1.0, 1.0))[:, None]
-    splines, moved = splines_through(time, np.concatenate([positions, turns], axis=1))
-    course = PoseSplines(tuple(splines))
-    remarks = (smoothing_remark("the object's poses", float(np.max(moved))),) if np.any(moved) else ()
+    spline, moved = splines_through(time, np.concatenate([positions, turns], axis=1))
+    course = PoseSplines(spline)
+    remarks = (smoothing_remark("the object's poses", moved),) if moved > 0 else ()
     return ObjectMotion(at, *course(at), remarks=remarks, course=course)
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """ROS 2 bags: messages, and joint motion from trajectories of controllers or of MoveIt; needs the extra 'ros'."""
 
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.regular_file import is_folder, open_regular
 from mrts.base.yaml_text import MAX_YAML_BYTES, parse_yaml
-from mrts.motion.joint_table import JointTable, joint_motion
+from mrts.motion.joint_table import JointTable
 
 NANOSECONDS = 1_000_000_000
 """A second in the unit of a bag's time stamps."""
@@ -140,7 +139,7 @@ def read_joint_trajectories(
     """
     time, (q, dq, ddq), unusable = joint_columns(path, _trajectories(path, topic), trajectory)
     ddq = {name: column for name, column in ddq.items() if name in dq}
-    return replace(joint_motion(path, time, q, dq, ddq, samples), unusable=unusable)
+    return JointTable(path, time, q, dq, ddq, samples=samples, unusable=unusable)
 
 
 def joint_columns(

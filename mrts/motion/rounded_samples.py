@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Splines of samples with few digits: smooth within the rounding where it would set the accelerations."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,35 +39,51 @@ PIECE = 3
 
 DEGREE = 5
 
+COARSELY, CLOSELY = 2, 4
+"""Fits are tried with half as many pieces more until one is near enough, with a quarter more where all are compared."""
+
 NEARLY_AT_REST = 0.2
 """Share of the fastest column's rate that is rest at an end of noisy samples: its spline's rate is least sure there."""
 
 
-def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
-    """The C² spline of each column of samples, Shape (N, k), and its largest distance from one, Shape (k,).
+def joined(splines: Sequence[Spline]) -> Spline:
+    """Splines of k columns as one whose values are Shape (N, k)."""
+    return partial(_columns, splines)
+
+
+def _columns(splines: Sequence[Spline], at: Array, order: int = 0) -> NDArray[np.floating[Any]]:
+    return np.column_stack([spline(at, order) for spline in splines])
+
+
+def splines_through(time: Array, columns: Array) -> tuple[Spline, float]:
+    """The C² spline of samples, Shape (N, k), and its largest distance from one.
 
     It is the cubic spline through them whose ends are free (not-a-knot: a motion may start with an acceleration, which
-    natural ends would take for none). Where the samples carry so few digits that its second derivative were noise, it
-    is the quintic spline of the fewest pieces that misses them by no more than their rounding, unless a corner keeps
-    all of these from that.
+    natural ends would take for none). Where the samples of a column carry so few digits that its second derivative were
+    noise, it is the quintic spline of the fewest pieces that misses them by no more than their rounding, unless a
+    corner keeps all of these from that.
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for tables without rates only)
 
-    splines: list[Spline] = [CubicSpline(time, values) for values in columns.T]
     noise = np.array([rounding(values) if np.ptp(values) > 0 else 0.0 for values in columns.T])
-    moved = np.zeros(len(splines))
     if not np.any(noise):
-        return splines, moved
-    fits = _fits(time, columns, noise)
-    smooth = [fit or spline for fit, spline in zip(fits, splines, strict=True)]
-    largest = max(float(np.max(np.abs(spline(time, 2)))) for spline in smooth)
-    spurious = SECOND_DERIVATIVE * noise / np.median(np.diff(time)) ** 2
-    for index in np.flatnonzero(spurious > SMOOTHED_SHARE * largest):
-        fit = fits[index]
-        if fit is not None:
-            splines[index] = fit
-            moved[index] = np.max(np.abs(fit(time) - columns[:, index]))
-    return splines, moved
+        return CubicSpline(time, columns), 0.0
+    exact: list[Spline] = [CubicSpline(time, values) for values in columns.T]
+    fits, residual = exact, np.where(noise > 0, np.inf, 0.0)
+    for candidates, missed, _ in _fits(time, columns, COARSELY):
+        rough = residual > FIT_RESIDUAL * noise
+        if not np.any(rough):
+            break
+        fits, residual = _chosen(rough, candidates, fits), np.where(rough, missed, residual)
+    fine = (noise > 0) & (residual <= LAST_RESIDUAL * noise)
+    largest = max(float(np.max(np.abs(spline(time, 2)))) for spline in _chosen(fine, fits, exact))
+    taken = fine & (SECOND_DERIVATIVE * noise / np.median(np.diff(time)) ** 2 > SMOOTHED_SHARE * largest)
+    spline = joined(_chosen(taken, fits, exact))
+    return spline, float(np.max(np.abs(spline(time) - columns)[:, taken], initial=0.0))
+
+
+def _chosen(first: NDArray[np.bool_], ones: list[Spline], others: list[Spline]) -> list[Spline]:
+    return [one if is_first else other for is_first, one, other in zip(first, ones, others, strict=True)]
 
 
 def smoothing_splines(time: Array, columns: Array) -> list[Spline]:
@@ -83,40 +100,40 @@ def smoothing_splines(time: Array, columns: Array) -> list[Spline]:
 
 
 def _cross_validated(time: Array, columns: Array, rests: tuple[bool, bool]) -> list[Spline]:
-    count, least = len(time), np.full(columns.shape[1], np.inf)
-    best: list[Spline] = []
-    pieces = 1
-    while pieces * PIECE + DEGREE <= count:
-        fits = _least_squares(time, columns, pieces, rests)
-        squares = np.array([np.sum((fit(time) - values) ** 2) for fit, values in zip(fits, columns.T, strict=True)])
-        score = count * squares / (count - pieces - DEGREE) ** 2
-        best = [fit if better else kept for fit, kept, better in zip(fits, best or fits, score < least, strict=True)]
-        least = np.minimum(score, least)
-        pieces += max(1, pieces // 4)
+    best, least = list[Spline](), np.full(columns.shape[1], np.inf)
+    for fits, missed, size in _fits(time, columns, CLOSELY, rests):
+        score = missed / (len(time) - size)
+        best, least = _chosen(score < least, fits, best or fits), np.minimum(score, least)
     return best
 
 
-def _least_squares(time: Array, columns: Array, pieces: int, rests: tuple[bool, bool]) -> list[Spline]:
-    """Least-squares quintic splines of pieces with as many samples each, which may start and end at rest."""
+def _fits(
+    time: Array, columns: Array, closely: int, rests: tuple[bool, bool] = (False, False)
+) -> Iterator[tuple[list[Spline], Array, int]]:
+    """Least-squares quintic splines of ever more pieces with as many samples each, which may start and end at rest.
+
+    Each time they have a part of `1 / closely` more.
+    With them the root mean square of what each misses, Shape (k,), and how many coefficients one has.
+    """
     from scipy.interpolate import BSpline  # noqa: PLC0415
     from scipy.sparse import csr_array  # noqa: PLC0415
     from scipy.sparse.linalg import splu  # noqa: PLC0415
 
-    knots = _knots(time, pieces)
-    basis = csr_array(BSpline.design_matrix(time, knots, DEGREE))
-    coefficients = basis.shape[1]
-    own = np.arange(coefficients)
-    own[1:] -= rests[0]  # the first two are one where the rate is zero, and the last two
-    own[-1] -= rests[1]
-    alike = csr_array((np.ones(coefficients), (np.arange(coefficients), own)), shape=(coefficients, own[-1] + 1))
-    reduced: Any = basis @ alike
-    found = alike @ splu((reduced.T @ reduced).tocsc()).solve(reduced.T @ columns)
-    return [BSpline(knots, column, DEGREE) for column in found.T]
-
-
-def _knots(time: Array, pieces: int) -> Array:
-    inner = np.interp(np.linspace(0, len(time) - 1, pieces + 1)[1:-1], np.arange(len(time)), time)
-    return np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
+    pieces = 1
+    while pieces * PIECE + DEGREE <= len(time):
+        inner = np.interp(np.linspace(0, len(time) - 1, pieces + 1)[1:-1], np.arange(len(time)), time)
+        knots = np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
+        basis = csr_array(BSpline.design_matrix(time, knots, DEGREE))
+        size = pieces + DEGREE
+        own = np.arange(size)
+        own[1:] -= rests[0]  # the first two are one where the rate is zero, and the last two
+        own[-1] -= rests[1]
+        alike = csr_array((np.ones(size), (np.arange(size), own)), shape=(size, own[-1] + 1))
+        reduced: Any = basis @ alike
+        found = alike @ splu((reduced.T @ reduced).tocsc()).solve(reduced.T @ columns)
+        missed = np.sqrt(np.mean((basis @ found - columns) ** 2, axis=0))
+        yield [BSpline(knots, column, DEGREE) for column in found.T], missed, size
+        pieces += max(1, pieces // closely)
 
 
 def derivative(time: Array, columns: Array) -> Array:
@@ -146,27 +163,3 @@ def rounding(values: Array) -> float:
 
 def _whole(scaled: Array) -> bool:
     return bool(np.all(np.abs(scaled - np.rint(scaled)) <= WHOLE))
-
-
-def _fits(time: Array, columns: Array, noise: Array) -> list[Spline | None]:
-    """For each column the least-squares spline of the fewest pieces whose residual is that of rounding, if one has it.
-
-    Columns without noise have none.
-    """
-    from scipy.interpolate import BSpline, make_lsq_spline  # noqa: PLC0415
-
-    count = len(time)
-    fits: list[Spline | None] = [None] * len(noise)
-    residual = np.where(noise > 0, np.inf, 0.0)
-    pieces = 1
-    while pieces * PIECE + DEGREE <= count and np.any(residual > FIT_RESIDUAL * noise):
-        knots = _knots(time, pieces)
-        rough = np.flatnonzero(residual > FIT_RESIDUAL * noise)
-        found = make_lsq_spline(time, columns[:, rough], knots, k=DEGREE)
-        residual[rough] = np.sqrt(np.mean((found(time) - columns[:, rough]) ** 2, axis=0))
-        for place, index in enumerate(rough):
-            fits[index] = BSpline(knots, found.c[:, place], DEGREE)
-        pieces += max(1, pieces // 2)
-    return [
-        fit if left <= LAST_RESIDUAL * size else None for fit, left, size in zip(fits, residual, noise, strict=True)
-    ]

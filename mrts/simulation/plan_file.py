@@ -11,7 +11,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate, required_columns
 from mrts.motion.csv_motion import read_joint_columns
-from mrts.motion.joint_table import joint_motion
+from mrts.motion.joint_table import JointTable
 from mrts.motion.ros_messages import DERIVATIVES, KIND, bag_messages, is_bag, joint_columns
 from mrts.motion.rows_at_rest import moving_rows
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
@@ -39,7 +39,7 @@ def load_plan(cell: Cell, path: Path | str) -> ScaledTrajectory:
     if missing := [part for part in PARTS if part not in found]:
         raise InputError(path, f"says nothing of '{missing[0]}': a plan has it, as mrts scale writes it.")
     q, dq, ddq = (dict(zip(cell.joint_names, found[part].T, strict=True)) for part in ("q", "dq", "ddq"))
-    motion = coordinate(cell, joint_motion(path, time, q, dq, ddq, None))
+    motion = coordinate(cell, JointTable(path, time, q, dq, ddq))
     kept = moving_rows(time, found["q"], found["dq"], found["ddq"])
     ends = kept.start > 0, kept.stop < len(time)
     torque, wrench = found["tau"], found["F"]

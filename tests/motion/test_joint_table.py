@@ -29,9 +29,8 @@ def test_rows_without_times_are_timed(dual_ur5, exact, waypoints, tmp_path):
     q = np.column_stack(list(waypoints.values()))
     way = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
     assert table.time[-1] == pytest.approx(way[-1], rel=1e-12)
-    for name, values in waypoints.items():
-        through = table.splines[name.removeprefix("q.")](way)[0]
-        np.testing.assert_allclose(through, values, atol=1e-10)
+    course = table.of([name.removeprefix("q.") for name in waypoints])[2]
+    np.testing.assert_allclose(course(way)[0], q, atol=1e-10)
     given = exact["turn", 101][0]
     for rates in (False, 11.5):
         found, expected = (mrts.retime(dual_ur5, motion, rates=rates) for motion in (table, given))
@@ -82,11 +81,11 @@ def test_a_noisy_recording_is_smoothed_within_what_is_allowed(dual_ur5, exact, r
     with pytest.raises(mrts.MotionError, match="most of it is noise"):
         mrts.scale(dual_ur5, mrts.load_motion(path))
     table = mrts.load_motion(path, smooth=ALLOWED)
-    q = np.column_stack([table.positions[name] for name in dual_ur5.joint_names])
+    _, (q, dq, _), _, _ = table.of(dual_ur5.joint_names)
     off = np.abs(q - np.column_stack(list(columns.values())[1:]))
     assert np.max(off) <= ALLOWED
     assert np.sqrt(np.mean((q - truth(time)) ** 2)) < NOISE / 4
-    assert all(np.allclose(table.velocities[name][[0, -1]], 0.0, atol=1e-9) for name in dual_ur5.joint_names)
+    np.testing.assert_allclose(dq[[0, -1]], 0.0, atol=1e-9)
     (remark,) = [remark for remark in table.remarks if remark.code == "smoothed"]
     assert f"{np.max(off):.2g}" in remark.text
     found = mrts.scale(dual_ur5, table)
@@ -126,7 +125,7 @@ def test_a_recording_that_starts_and_ends_in_motion_stays_so(dual_ur5, recording
     truth, time, columns = recording
     path = write_table(tmp_path / "part.csv", {name: values[200:600] for name, values in columns.items()})
     table = mrts.load_motion(path, smooth=ALLOWED)
-    found = np.column_stack([table.velocities[name] for name in dual_ur5.joint_names])
+    found = table.of(dual_ur5.joint_names)[1][1]
     rates = truth(time[200:600], 1)
     np.testing.assert_allclose(found[[0, -1]], rates[[0, -1]], atol=0.1 * np.max(np.abs(rates)))
     assert np.sqrt(np.mean((found - rates) ** 2)) < 0.02 * np.max(np.abs(rates))
