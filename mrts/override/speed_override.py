@@ -22,6 +22,9 @@ from mrts.timing.result import RetimingResult
 MOST_SPEED = 4.0
 """Of a plan; as in the C, where it keeps squares small."""
 
+COUNTED = ("time", "speed", "acceleration", "finished", "active")
+"""What is a number of a state, not an array."""
+
 NOT_ADMITTED = 2
 """Status of the C where limits do not admit a speed; any other error is of the place."""
 
@@ -31,65 +34,35 @@ class OverrideState:
     """What a controller commands at a tick.
 
     Attributes:
+        time: Of the plan, s [s].
+        speed: ṡ: 1 as planned, 0 at rest, negative against the plan's direction.
+        acceleration: s̈ until the next tick [1/s].
+        q: Joint positions, Shape (m,) [rad or m].
+        dq: q̇, Shape (m,) [rad/s or m/s].
+        ddq: q̈, Shape (m,) [rad/s² or m/s²].
+        torque: τ of the motors, exact for these positions, velocities and accelerations, Shape (m,) [N m or N].
+        wrench: Contact wrenches, robot after robot in base axes, Shape (n w,) [N, N m].
+        finished: Whether the cell is at rest at an end of the plan.
+        active: The limit that keeps the speed from the wanted one; empty if nothing does.
         numbers: As the C has them; nobody writes to them.
         limits: Names of what may be active, "" first.
     """
 
+    time: float
+    speed: float
+    acceleration: float
+    q: Array
+    dq: Array
+    ddq: Array
+    torque: Array
+    wrench: Array
+    finished: bool
+    active: str
     numbers: NDArray[Any]
     limits: tuple[str, ...]
 
     def __repr__(self) -> str:
         return f"<OverrideState: s = {self.time:.6g} s, speed {self.speed:.4g}>"
-
-    @property
-    def time(self) -> float:
-        """Of the plan, s [s]."""
-        return float(self.numbers["time"])
-
-    @property
-    def speed(self) -> float:
-        """ṡ: 1 as planned, 0 at rest, negative against the plan's direction."""
-        return float(self.numbers["speed"])
-
-    @property
-    def acceleration(self) -> float:
-        """s̈ until the next tick [1/s]."""
-        return float(self.numbers["acceleration"])
-
-    @property
-    def q(self) -> Array:
-        """Joint positions, Shape (m,) [rad or m]."""
-        return np.asarray(self.numbers["q"])
-
-    @property
-    def dq(self) -> Array:
-        """q̇, Shape (m,) [rad/s or m/s]."""
-        return np.asarray(self.numbers["dq"])
-
-    @property
-    def ddq(self) -> Array:
-        """q̈, Shape (m,) [rad/s² or m/s²]."""
-        return np.asarray(self.numbers["ddq"])
-
-    @property
-    def torque(self) -> Array:
-        """τ of the motors, exact for these positions, velocities and accelerations, Shape (m,) [N m or N]."""
-        return np.asarray(self.numbers["torque"])
-
-    @property
-    def wrench(self) -> Array:
-        """Contact wrenches, robot after robot in base axes, Shape (n w,) [N, N m]."""
-        return np.asarray(self.numbers["wrench"])
-
-    @property
-    def finished(self) -> bool:
-        """Whether the cell is at rest at an end of the plan."""
-        return bool(self.numbers["finished"])
-
-    @property
-    def active(self) -> str:
-        """The limit that keeps the speed from the wanted one; empty if nothing does."""
-        return self.limits[self.numbers["active"]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,7 +284,10 @@ class SpeedOverride:
         return state.numbers
 
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
-        return OverrideState(numbers, self.tables.limits)
+        time, speed, acceleration, finished, active = (numbers[name].item() for name in COUNTED)
+        arrays = (numbers[name] for name in ("q", "dq", "ddq", "torque", "wrench"))
+        limits = self.tables.limits
+        return OverrideState(time, speed, acceleration, *arrays, bool(finished), limits[active], numbers, limits)
 
 
 def _check_tick(dt: float) -> None:
