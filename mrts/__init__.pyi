@@ -44,7 +44,7 @@ from mrts.scaling.scale import scale as scale
 from mrts.scaling.scale import torques_for_load as torques_for_load
 from mrts.simulation.controller import Controller as Controller
 from mrts.simulation.controller import PlantErrors as PlantErrors
-from mrts.simulation.reserve import least_reserve as least_reserve
+from mrts.simulation.simulate import least_reserve as least_reserve
 from mrts.simulation.simulate import simulate as simulate
 from mrts.starting.check import check as check
 from mrts.starting.hold import hold_here as hold_here

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mrts.motion.object_motion import ObjectMotion
     from mrts.plots.card import Card
     from mrts.scaling.result import ScalingResult
-    from mrts.simulation.reserve import ReserveSearch
+    from mrts.simulation.simulate import ReserveSearch
     from mrts.timing.result import RetimingResult
 
 EXAMPLES = """\
@@ -225,7 +225,7 @@ def _solved(
 def _searched(
     cell: "Cell", motion: "ObjectMotion | JointTable", profile: str, given: dict[str, Any]
 ) -> "ReserveSearch":
-    from mrts.simulation.reserve import least_reserve
+    from mrts.simulation.simulate import least_reserve
 
     return least_reserve(lambda reserve: _solved(cell.with_reserve(reserve), motion, profile, dict(given)))
 

@@ -77,7 +77,7 @@ def required_columns(cell: Cell, path: Path, columns: Sequence[str]) -> tuple[li
             raise InputError(
                 path,
                 f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
-                f"a trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(cell, joint, extra)}",
+                f"a trajectory under /{joint.partition('/')[0]}/joint_trajectory.{other_columns(extra)}",
             )
     return [found[joint] for joint in cell.joint_names], extra
 
@@ -110,13 +110,7 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
     return found
 
 
-def meant_instead(cell: Cell, joint: str, extra: Sequence[str]) -> str:
-    """What is said of the column which is nearest to a joint that is missing; empty if none is near."""
-    import difflib  # noqa: PLC0415 (for this message only)
-
-    bare = joint.partition("/")[2]
-    owners = [name for name in cell.joint_names if name.partition("/")[2] == bare]
-    if bare in extra and len(owners) > 1:
-        return f" '{bare}' may be {' or '.join(owners)}: name the robot."
-    close = difflib.get_close_matches(joint, extra, n=1)
-    return f" There is '{close[0]}', which no arm of the cell has: is it meant?" if close else ""
+def other_columns(extra: Sequence[str]) -> str:
+    """What is said of columns that no joint of the cell has, where one is missing; empty if there is none."""
+    names = first_names(sorted(extra), MOST_NAMED)
+    return f" No joint of the cell is {names}: is one of them meant?" if extra else ""

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Armature and friction of an arm's motors from a recording of its free motion."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,26 +12,42 @@ from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
+from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.following.coordinate import columns_by_joint, meant_instead
+from mrts.following.coordinate import MOST_NAMED, columns_by_joint, other_columns
 from mrts.following.tracking import PRINTED_TOLERANCE, within_limits
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
-from mrts.identification.motor_regression import PARAMETERS, fit_joint
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
 
 CHUNK = 4096
 """Samples whose mass matrices are held at once."""
 
+PARAMETERS = ("armature", "viscous", "coulomb")
+"""In the order of the columns of the regression; an offset of the effort follows, which no motor has."""
+
+CONFIDENCE = 0.95
+"""Of the intervals."""
+
+INDEPENDENT = 0.01
+"""Share of a column that the other columns must leave, or the motion does not tell its parameter from theirs."""
+
+REFERENCE_RAMP = 0.1
+"""Time to the joint's fastest speed [s] that gives the largest acceleration to speak of."""
+
+UNCERTAIN = 0.05
+"""Share of the torque limit by which half an interval may put the torque in doubt, at the fastest the joint can do."""
+
+BANDWIDTH = 0.5
+"""Lags that carry the covariance of residuals, by the root of the number of blocks: with fewer, intervals are too
+narrow where residuals follow each other; more do not help with some hundred blocks."""
+
 EXPLAINED = 0.5
 """Share of an effort's variance that model and motors explain at least, or something is wrong with either."""
 
 NOISY = 0.01
 """Share of a joint's squared accelerations that may be noise: its inertia is too small by as much."""
-
-MOST_NAMED = 12
-"""Columns named in a message; a humanoid has more."""
 
 
 def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: float | None = None) -> MotorIdentification:
@@ -64,7 +82,7 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
         motion = smoothed_motion(recording.path, robot, joints, cutoff)
         _check_units(recording, robot, joints, motion)
         arms.append(_identify_arm(cell, robot, motion))
-        remarks += [*_limit_remarks(robot, motion), *_remarks(arms[-1], motion.speed_noise)]
+        remarks += _remarks(arms[-1], motion)
     if not any(np.any(arm.used) for arm in arms):
         raise InputError(
             recording.path,
@@ -88,13 +106,12 @@ def _recorded_arms(cell: Cell, recording: JointRecording) -> list[tuple[Robot, l
         for joint in joints:
             if joint not in found:
                 rule = f"nothing is recorded of joint '{joint}' of cell '{cell.name}', but of others of this arm."
-                raise InputError(recording.path, rule + meant_instead(cell, joint, extra))
+                raise InputError(recording.path, rule + other_columns(extra))
             if found[joint] in recording.unusable:
                 raise recording.unusable[found[joint]]
         arms.append((robot, [recording.joints[found[joint]] for joint in joints]))
     if not arms:
-        names = ", ".join(sorted(columns)[:MOST_NAMED])
-        first = f"{cell.robots[0].name}/{cell.robots[0].joints[0]}"
+        names, first = first_names(sorted(columns), MOST_NAMED), f"{cell.robots[0].name}/{cell.robots[0].joints[0]}"
         raise InputError(
             recording.path,
             f"no arm of cell '{cell.name}' has joints of these names: {names}. Names are ROBOT/JOINT as in the cell "
@@ -122,22 +139,6 @@ def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJ
                 key=f"effort of {robot.name}/{name}",
                 value=float(joint.effort[0]),
             )
-
-
-def _limit_remarks(robot: Robot, motion: RecordedMotion) -> list[Remark]:
-    """Joints recorded beyond their position limits, by whole turns or not: their zero may not be that of the URDF."""
-    q = within_limits(robot, motion.q)
-    low, high = np.min(q, axis=0), np.max(q, axis=0)
-    beyond = (low < robot.position_lower - PRINTED_TOLERANCE) | (high > robot.position_upper + PRINTED_TOLERANCE)
-    return [
-        Remark(
-            "past-position-limit",
-            f"'{robot.name}/{robot.joints[place]}' moves from {low[place]:.4g} to {high[place]:.4g} "
-            f"{robot.position_units[place]}, its limits are [{robot.position_lower[place]:.4g}, "
-            f"{robot.position_upper[place]:.4g}]: is its zero that of the URDF? Gravity depends on it.",
-        )
-        for place in np.flatnonzero(beyond)
-    ]
 
 
 def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors:
@@ -203,40 +204,146 @@ def _explained(effort: Array, residual: Array, used: NDArray[np.bool_]) -> Array
     return shares
 
 
-def _remarks(arm: ArmMotors, speed_noise: Array) -> list[Remark]:
-    """What to know of one arm.
+def _remarks(arm: ArmMotors, motion: RecordedMotion) -> Iterator[Remark]:
+    """What to know of each joint of an arm.
 
-    Least squares take accelerations for exact, so noisy ones leave too little inertia. The mean acceleration of a
-    block is the difference of two velocities by the block's length.
+    Beyond its position limits, by whole turns or not, its zero may not be that of the URDF. Least squares take
+    accelerations for exact, so noisy ones leave too little inertia; the mean acceleration of a block is the difference
+    of two velocities by the block's length.
     """
-    remarks = []
-    for place, joint in enumerate(arm.robot.joints):
-        name = f"{arm.robot.name}/{joint}"
+    robot, q = arm.robot, within_limits(arm.robot, motion.q)
+    low, high = np.min(q, axis=0), np.max(q, axis=0)
+    least, most = robot.position_lower, robot.position_upper
+    beyond = (low < least - PRINTED_TOLERANCE) | (high > most + PRINTED_TOLERANCE)
+    for place, joint in enumerate(robot.joints):
+        name = f"{robot.name}/{joint}"
+        moving = arm.acceleration[arm.used[:, place], place]
+        noise = 2 * (motion.speed_noise[place] * arm.cutoff) ** 2
+        noisy = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
+        if beyond[place]:
+            yield Remark(
+                "past-position-limit",
+                f"'{name}' moves from {low[place]:.4g} to {high[place]:.4g} {robot.position_units[place]}, its limits "
+                f"are [{least[place]:.4g}, {most[place]:.4g}]: is its zero that of the URDF? Gravity depends on it.",
+            )
         for kind, found in arm.estimates.items():
             if found.reasons[place]:
-                text = f"{kind} of '{name}' is not identified: {found.reasons[place]}."
-                remarks.append(Remark("not-excited", text))
+                yield Remark("not-excited", f"{kind} of '{name}' is not identified: {found.reasons[place]}.")
             if found.bounded[place]:
-                text = (
-                    f"{kind} of '{name}' is 0 because it cannot be negative; free, it were {found.free[place]:.3g} ± "
-                    f"{found.half_width[place]:.2g}: where that is far from 0, masses of the URDF or efforts are wrong."
+                free = f"{found.free[place]:.3g} ± {found.half_width[place]:.2g}"
+                yield Remark(
+                    "bound-active",
+                    f"{kind} of '{name}' is 0 because it cannot be negative; free, it were {free}: where that is far "
+                    "from 0, masses of the URDF or efforts are wrong.",
                 )
-                remarks.append(Remark("bound-active", text))
         if arm.explained[place] < EXPLAINED:
-            text = (
+            yield Remark(
+                "unexplained-effort",
                 f"only {100 * max(arm.explained[place], 0.0):.2g} % of the effort of '{name}' is explained: is it in "
                 "N m (N) and not in A, on the joint side of the gear, was nothing in the hand, is the URDF that of "
-                "this arm?"
+                "this arm?",
             )
-            remarks.append(Remark("unexplained-effort", text))
-        moving = arm.acceleration[arm.used[:, place], place]
-        noise = 2 * (speed_noise[place] * arm.cutoff) ** 2
-        share = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
-        if share > NOISY:
-            text = (
-                f"noise of the positions of '{name}' is {100 * share:.2g} % of its squared accelerations: its armature "
+        if noisy > NOISY:
+            yield Remark(
+                "noisy-positions",
+                f"noise of the positions of '{name}' is {100 * noisy:.2g} % of its squared accelerations: its armature "
                 "is too small by that share of the whole inertia that the joint turns. Lower the cutoff, or accelerate "
-                "more."
+                "more.",
             )
-            remarks.append(Remark("noisy-positions", text))
-    return remarks
+
+
+def fit_joint(
+    columns: Array, left_over: Array, used: NDArray[np.bool_], fastest: float, torque_limit: float
+) -> tuple[dict[str, NDArray[Any]], float, Array, float]:
+    """Least squares of effort - τ_rb = I_a q̈ + b q̇ + τ_c sign(q̇) + offset, with I_a, b, τ_c >= 0.
+
+    Variances come from the residuals: the larger of the two that ordinary least squares and Newey and West (1987)
+    give, who let residuals depend on the motion and on each other along time (`used` says where blocks are missing).
+
+    Args:
+        columns: q̈, q̇, sign(q̇) of B blocks along time, Shape (B, 3).
+        left_over: effort - τ_rb, Shape (B,) [N m or N].
+        used: Which blocks count, Shape (B,).
+        fastest: Speed that the joint may have [rad/s or m/s].
+        torque_limit: That it has [N m or N].
+
+    Returns:
+        What `MotorParameter` has, of the `PARAMETERS` of this joint, each Shape (3,); the constant part of the effort
+        [N m or N]; what they say of the blocks, Shape (B,) [N m or N]; root mean square of what is left [N m or N].
+    """
+    from scipy.optimize import lsq_linear  # noqa: PLC0415 (slow to import)
+    from scipy.special import stdtrit  # noqa: PLC0415 (likewise)
+
+    full = np.column_stack([columns, np.ones(len(columns))])
+    X, y = full[used], left_over[used]
+    theta, free, half, held = np.zeros(4), np.zeros(4), np.full(3, np.inf), np.zeros(4, dtype=bool)
+    reasons = np.full(3, "it hardly moves in the recording")
+    if len(y) > X.shape[1]:
+        scale = np.sqrt(np.mean(X**2, axis=0))
+        scale[scale == 0] = 1.0
+        X = X / scale
+        independent = np.array([_left_by_others(X, column) > INDEPENDENT for column in range(X.shape[1])])
+        free = np.linalg.lstsq(X, y, rcond=INDEPENDENT**2)[0]
+        bounded = lsq_linear(X, y, ([0.0, 0.0, 0.0, -np.inf], np.inf), method="bvls")
+        theta, held = np.asarray(bounded.x, dtype=np.float64), np.asarray(bounded.active_mask != 0)
+        error = _standard_errors(full / scale, left_over, used, theta, ~held)
+        error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
+        theta, error, free = theta / scale, error / scale, free / scale
+        half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
+        doubt = half * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
+        reasons = _reasons(columns[used], independent, doubt, torque_limit)
+    known, fitted = reasons == "", full @ theta
+    found = {
+        "value": np.where(known, theta[:3], 0.0),
+        "half_width": np.where(known, half, np.inf),
+        "reasons": reasons,
+        "bounded": held[:3] & known,
+        "free": np.where(known, free[:3], 0.0),
+    }
+    left = left_over[used] - fitted[used]
+    return found, float(theta[3]), fitted, float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
+
+
+def _left_by_others(X: Array, column: int) -> float:
+    others, one = np.delete(X, column, axis=1), X[:, column]
+    size = float(np.linalg.norm(one))
+    if size == 0:
+        return 0.0
+    return float(np.linalg.norm(one - others @ np.linalg.lstsq(others, one, rcond=None)[0])) / size
+
+
+def _standard_errors(
+    full: Array, left_over: Array, used: NDArray[np.bool_], theta: Array, varied: NDArray[np.bool_]
+) -> Array:
+    """Of the parameters that are varied, 0 of the others, Shape (4,)."""
+    X = np.where(used[:, None], full, 0.0)[:, varied]
+    residual = np.where(used, left_over - full @ theta, 0.0)
+    count = int(np.count_nonzero(used))
+    freedom = max(count - X.shape[1], 1)
+    inverse = np.linalg.pinv(X.T @ X)
+    ordinary = inverse * (residual @ residual) / freedom
+    scores = X * residual[:, None]
+    between = scores.T @ scores
+    lags = int(BANDWIDTH * np.sqrt(count))
+    for lag in range(1, lags + 1):
+        crossed = scores[lag:].T @ scores[:-lag]
+        between += (1 - lag / (lags + 1)) * (crossed + crossed.T)
+    robust = inverse @ between @ inverse * count / freedom
+    errors = np.zeros(len(varied))
+    errors[varied] = np.sqrt(np.maximum(np.diag(ordinary), np.diag(robust)))
+    return errors
+
+
+def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> NDArray[np.str_]:
+    one_way = np.min(columns[:, 2]) * np.max(columns[:, 2]) > 0
+    reasons = []
+    for place in range(3):
+        if not independent[place]:
+            told = ("it hardly accelerates", "it moves at one speed", "it moves at one speed")[place]
+            reasons.append("it moves one way only" if one_way and place else told)
+        elif doubt[place] > UNCERTAIN * torque_limit:
+            share = 100 * doubt[place] / torque_limit
+            reasons.append(f"the motion and its noise leave {share:.3g} % of the torque limit in doubt")
+        else:
+            reasons.append("")
+    return np.array(reasons)

@@ -22,8 +22,8 @@ from mrts.timing.result import RetimingResult
 MOST_SPEED = 4.0
 """Of a plan; as in the C, where it keeps squares small."""
 
-COUNTED = ("time", "speed", "acceleration", "finished", "active")
-"""What is a number of a state, not an array."""
+AT_A_TICK = 10
+"""Fields of a state of the C, in their order, that `OverrideState` has; others are how it goes on."""
 
 NOT_ADMITTED = 2
 """Status of the C where limits do not admit a speed; any other error is of the place."""
@@ -284,10 +284,9 @@ class SpeedOverride:
         return state.numbers
 
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
-        time, speed, acceleration, finished, active = (numbers[name].item() for name in COUNTED)
-        arrays = (numbers[name] for name in ("q", "dq", "ddq", "torque", "wrench"))
+        *commanded, active, finished = numbers.item()[:AT_A_TICK]  # as `kernel.override_library.state_type` orders them
         limits = self.tables.limits
-        return OverrideState(time, speed, acceleration, *arrays, bool(finished), limits[active], numbers, limits)
+        return OverrideState(*commanded, finished=bool(finished), active=limits[active], numbers=numbers, limits=limits)
 
 
 def _check_tick(dt: float) -> None:

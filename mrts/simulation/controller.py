@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError
-from mrts.base.formats.record import Rule, Shape, check_attributes, dumped
+from mrts.base.formats.record import Rule, Shape, check_attributes
 
 Share = Annotated[float, Rule(ge=0, le=1)]
 """Of a whole, or some number of which no more than 1 makes sense [s, rad, rad/s]."""
@@ -82,10 +82,6 @@ class Controller(EqualByNumbers):
             found.append(np.broadcast_to(gain, inertia.shape))
         return found[0], found[1]
 
-    def to_json(self) -> dict[str, Any]:
-        """Every number by name."""
-        return dict(dumped(self))
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlantErrors(EqualByNumbers):
@@ -132,10 +128,6 @@ class PlantErrors(EqualByNumbers):
         other = {name: max(-getattr(self, name), least) for name, least in LEAST.items()}
         return replace(self, **other, com=-self.com)
 
-    def to_json(self) -> dict[str, Any]:
-        """Every number by name."""
-        return dict(dumped(self))
-
 
 def with_settings(
     controller: Controller, errors: PlantErrors, given: Mapping[str, Any]
@@ -145,12 +137,9 @@ def with_settings(
     Raises:
         InputError: If neither has one of that name, or a value breaks a rule.
     """
-    found: list[Any] = []
-    left = dict(given)
-    for of in (controller, errors):
-        own = {entry.name: left.pop(entry.name) for entry in fields(of) if entry.name in left}
-        found.append(replace(of, **own))
-    if left:
-        known = [entry.name for of in (controller, errors) for entry in fields(of)]
-        raise InputError("given", f"there is no such number. There are {', '.join(known)}.", value=next(iter(left)))
-    return found[0], found[1]
+    known = [{entry.name for entry in fields(of)} for of in (controller, errors)]
+    if unknown := given.keys() - set.union(*known):
+        rule = f"there is no such number. There are {', '.join(sorted(set.union(*known)))}."
+        raise InputError("given", rule, value=min(unknown))
+    own, others = ({name: given[name] for name in given.keys() & names} for names in known)
+    return replace(controller, **own), replace(errors, **others)

@@ -1,25 +1,26 @@
 # SPDX-License-Identifier: MIT
-"""A plan played by a controller on an imperfect cell, and what it makes of every limit."""
+"""A plan played by a controller on an imperfect cell, what it makes of every limit, and the reserve that it takes."""
 
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from types import NoneType
 from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, check_type, is_number, require_extra
+from mrts.base.argument_types import Progress, check_callable, check_type, is_number, require_extra
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
 from mrts.base.errors import InputError
+from mrts.base.formats.record import dumped
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
-from mrts.override.plan_nodes import resting_trajectory
+from mrts.override.plan_nodes import resting_trajectory, trajectory_of
 from mrts.override.speed_override import SpeedOverride
 from mrts.override.wishes import commanded, wanted_at_ticks
 from mrts.program.rate_limits import Rates
@@ -52,6 +53,12 @@ MOST_TRIALS = 100_000
 LIKELY = 95.0
 """Per cent of the trials that are told apart from the worst."""
 
+RESERVE_WITHIN = 0.01
+"""Of the least reserve, as a share of limits."""
+
+MOST_PLANS = 16
+"""That are tried: four or five halve what the first few leave."""
+
 
 @dataclass(frozen=True)
 class Trials:
@@ -78,14 +85,9 @@ class Trials:
         return int(np.sum(self.largest <= 1 + PASSED))
 
     @property
-    def worst(self) -> Array:
-        """Largest share of each limit, Shape (r,)."""
-        return np.asarray(np.max(self.shares, axis=0))
-
-    @property
-    def likely(self) -> Array:
-        """The share of each limit within which 95 % of the trials stay, Shape (r,)."""
-        return np.asarray(np.percentile(self.shares, LIKELY, axis=0))
+    def spread(self) -> Array:
+        """The share of each limit within which 95 % of the trials stay, and the worst, Shape (2, r)."""
+        return np.percentile(self.shares, [LIKELY, 100.0], axis=0)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -183,8 +185,8 @@ class Simulation(InNotebooks, JsonOutput):
         yield from self.words()
         yield ""
         shown = self.uses if every else self.uses[: max(NEAREST, len(self.passed))]
-        head, rows = self._table(shown)
-        yield from map(printable, aligned([head, *rows]))
+        table = self._table(shown)
+        yield from map(printable, aligned([table.head, *table.rows]))
 
     def words(self) -> Iterator[str]:
         """How well the plan was followed, what the trials came to, and what was assumed."""
@@ -202,7 +204,7 @@ class Simulation(InNotebooks, JsonOutput):
                 f"uses {worst}; {self.trials.kept} keep all limits"
             )
         for title, of in (("controller", self.controller), ("cell", self.errors)):
-            numbers = (f"{name} {_told(value)}" for name, value in of.to_json().items())
+            numbers = (f"{name} {_told(value)}" for name, value in dumped(of).items())
             yield f"{title}: {', '.join(numbers)}"
 
     def notebook_words(self) -> list[str]:
@@ -211,12 +213,10 @@ class Simulation(InNotebooks, JsonOutput):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Every limit, planned and used."""
-        yield NotebookTable(*self._table(self.uses))
+        yield self._table(self.uses)
 
-    def _table(self, uses: Sequence[tuple[LimitUse, LimitUse]]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-        head: tuple[str, ...] = ("limit", "planned", "used", "excess", "at")
+    def _table(self, uses: Sequence[tuple[LimitUse, LimitUse]]) -> NotebookTable:
         spread = self._spread()
-        head += ("95 % of trials", "worst") if spread else ()
         rows = [
             (
                 str(used.name), _percent(planned.share), _percent(used.share),
@@ -225,15 +225,14 @@ class Simulation(InNotebooks, JsonOutput):
             )
             for planned, used in uses
         ]  # fmt: skip
-        return head, rows
+        of_trials = ("95 % of trials", "worst") if spread else ()
+        return NotebookTable(("limit", "planned", "used", "excess", "at", *of_trials), rows)
 
-    def _spread(self) -> dict[RowName, tuple[float, float]]:
+    def _spread(self) -> dict[RowName, list[float]]:
         """Of each limit what 95 % of the trials stay within, and the worst; empty without trials."""
         if self.trials is None:
             return {}
-        names = (use.name for use in kept_uses(self.played))
-        both = zip(self.trials.likely.tolist(), self.trials.worst.tolist(), strict=True)
-        return dict(zip(names, both, strict=True))
+        return {use.name: both for use, both in zip(kept_uses(self.played), self.trials.spread.T.tolist(), strict=True)}
 
     def to_json(self) -> dict[str, Any]:
         """All but the samples as JSON values."""
@@ -245,8 +244,8 @@ class Simulation(InNotebooks, JsonOutput):
             "outcome": self.sentence(),
             "saturated": self.saturated,
             "tracking": {name: {"rms": rms, "largest": most} for name, (rms, most) in self.tracking.items()},
-            "controller": self.controller.to_json(),
-            "errors": self.errors.to_json(),
+            "controller": dumped(self.controller),
+            "errors": dumped(self.errors),
             "limits": [
                 used.name.to_json()
                 | {"planned": planned.share, "used": used.share, "excess": max(0.0, used.share - 1), "time": used.time}
@@ -256,7 +255,7 @@ class Simulation(InNotebooks, JsonOutput):
         }
         if self.trials is not None:
             found["trials"] = {
-                "errors": [errors.to_json() for errors in self.trials.errors],
+                "errors": dumped(self.trials.errors),
                 "largest": self.trials.largest.tolist(),
                 "saturated": self.trials.saturated.tolist(),
             }
@@ -328,19 +327,114 @@ def simulate(
     # apart, so that the same errors are drawn whatever the controller
     drawing, noise, *noises = np.random.default_rng(seed).spawn(int(trials) + 2)
     played, saturated = _played(planned, controller, errors, noise)
-    found: list[tuple[PlantErrors, list[float], float]] = []
-    for done in range(int(trials)):
-        drawn = errors.drawn(drawing)
-        motion, cut = _played(planned, controller, drawn, noises[done])
-        found.append((drawn, [use.share for use in kept_uses(motion)], cut))
-        progress(done + 1, int(trials))
-    several = None
-    if found:
-        drawn_errors, shares, cuts = zip(*found, strict=True)
-        several = Trials(drawn_errors, np.array(shares), np.array(cuts))
+    drawn, shares, cuts = tuple(errors.drawn(drawing) for _ in noises), list[list[float]](), list[float]()
+    for done, (each, own) in enumerate(zip(drawn, noises, strict=True), start=1):
+        motion, cut = _played(planned, controller, each, own)
+        shares.append([use.share for use in kept_uses(motion)])
+        cuts.append(cut)
+        progress(done, len(drawn))
+    several = Trials(drawn, np.array(shares), np.array(cuts)) if drawn else None
     return Simulation(
         plan=planned, played=played, controller=controller, errors=errors, saturated=saturated, trials=several
     )
+
+
+@dataclass(frozen=True)
+class TriedReserve:
+    """A plan that was tried: its reserve, and unless there was none its duration [s] and largest use of a limit."""
+
+    reserve: float
+    duration: float | None = None
+    largest: float | None = None
+    limit: str | None = None
+    kept: bool = False
+
+    def __str__(self) -> str:
+        told = "no plan"
+        if self.duration is not None and self.largest is not None:
+            told = f"{self.duration:.4g} s, uses {100 * self.largest:.1f} % of {self.limit}"
+        return printable(f"  {100 * self.reserve:5.1f} %  {told}")
+
+
+@dataclass(frozen=True)
+class ReserveSearch:
+    """The plans that were tried, by their reserve, and the one with the least that keeps all limits, if any."""
+
+    found: ScalingResult | RetimingResult | None
+    tried: tuple[TriedReserve, ...]
+
+    @property
+    def reserve(self) -> float | None:
+        """The least with which all limits are kept, to `RESERVE_WITHIN`; None if no plan does."""
+        return next((each.reserve for each in self.tried if each.kept), None)
+
+    def lines(self) -> Iterator[str]:
+        """What came of it, and the table of the plans."""
+        if self.reserve is None:
+            yield "reserve auto: no plan keeps all limits when the controller of `mrts simulate` plays it"
+        else:
+            yield (
+                f"reserve auto: {100 * self.reserve:.3g} % of every limit, the least of {len(self.tried)} with which "
+                "all are kept when the controller of `mrts simulate` plays the plan"
+            )
+        yield from map(str, self.tried)
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """The plans; null stands for what there is not."""
+        return [asdict(each) for each in self.tried]
+
+
+def least_reserve(
+    solve: Callable[[float], ScalingResult | RetimingResult],
+    controller: Controller | None = None,
+    errors: PlantErrors | None = None,
+    *,
+    progress: Progress = lambda _done, _total: None,
+) -> ReserveSearch:
+    """Find the least reserve with which a plan keeps all limits in `mrts.simulate`, by bisection.
+
+    Args:
+        solve: Makes the plan with a reserve: `lambda reserve: mrts.retime(cell, motion, reserve=reserve)`.
+        controller: As in `mrts.simulate`.
+        errors: Likewise; each plan is played with them and with their opposite.
+        progress: Told of the plans.
+
+    Raises:
+        InputError: As `solve` and `mrts.simulate`.
+    """
+    check_callable("solve", solve)
+    check_callable("progress", progress)
+    check_type("errors", errors, PlantErrors, NoneType)
+    tried, best = list[TriedReserve](), None
+    low, edge = 0.0, 1.0  # limits are passed at `low`; at `edge` they are kept, or there is no plan
+    reserve, proportional = 0.0, 0.5
+    while edge - low > RESERVE_WITHIN and len(tried) < MOST_PLANS:
+        plan = solve(reserve)
+        last = _tried(plan, reserve, controller, errors)
+        tried.append(last)
+        progress(len(tried), MOST_PLANS)
+        if last.kept or last.largest is None:
+            edge, best = reserve, plan if last.kept else best
+        else:
+            low, proportional = reserve, 1 - (1 - reserve) / last.largest + RESERVE_WITHIN
+        reserve = min((low + edge) / 2, proportional)
+    return ReserveSearch(best, tuple(sorted(tried, key=lambda each: each.reserve)))
+
+
+def _tried(
+    plan: ScalingResult | RetimingResult, reserve: float, controller: Controller | None, errors: PlantErrors | None
+) -> TriedReserve:
+    trajectory = trajectory_of(plan)
+    if trajectory is None:
+        return TriedReserve(reserve)
+    errors = PlantErrors() if errors is None else errors
+    played = [simulate(trajectory, controller, each) for each in (errors, errors.opposite())]
+    nearest = [used for one in played for _, used in one.uses[:1]]
+    if not nearest:
+        raise InputError("solve", "its cell has no limit that a reserve could be kept of.")
+    worst = max(nearest, key=lambda use: use.share)
+    kept = not any(one.passed for one in played)
+    return TriedReserve(reserve, trajectory.duration, worst.share, str(worst.name), kept=kept)
 
 
 def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:

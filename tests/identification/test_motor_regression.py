@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from mrts.identification.motor_regression import fit_joint
+from mrts.identification.identify import fit_joint
 
 SAME = 1e-9
 """Relative to the largest number of a fit: rounding of normal equations of four well scaled unknowns."""

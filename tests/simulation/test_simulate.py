@@ -11,7 +11,6 @@ from shipped_cells import DATA
 
 import mrts
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.simulation import reserve as searching
 from mrts.simulation import simulate as simulation
 from mrts.simulation.controller import with_settings
 
@@ -145,7 +144,7 @@ def test_trials_draw_errors_by_their_seed_whatever_the_controller(lifted):
     drawn = [*found.trials.errors, *other.trials.errors]
     assert all(0 < abs(each.mass) <= 0.1 for each in drawn)
     assert len({each.mass for each in drawn}) == 3
-    assert np.all(found.trials.likely <= found.trials.worst)
+    assert np.all(found.trials.spread[0] <= found.trials.spread[1])
     noisy = mrts.Controller(rate=250.0, velocity_noise=1e-3)
     assert mrts.simulate(lifted, noisy, errors, trials=2, seed=2).trials.errors == found.trials.errors
     again = mrts.simulate(lifted, errors=drawn[0])
@@ -225,19 +224,19 @@ def test_the_search_ends_at_the_least_that_keeps_all(lifted, monkeypatch, most, 
         asked.append(reserve)
         return lifted if reserve < most else mrts.scale(lifted.cell.with_mass(1e4), lifted.motion)
 
-    monkeypatch.setattr(searching, "simulate", lambda *_: Played(asked[-1]))
+    monkeypatch.setattr(simulation, "simulate", lambda *_: Played(asked[-1]))
     search = mrts.least_reserve(solve)
     assert asked[0] == 0
     assert len(asked) < 9
     if found is None:
         assert (search.found, search.reserve) == (None, None)
     else:
-        assert found <= search.reserve <= found + searching.WITHIN
+        assert found <= search.reserve <= found + simulation.RESERVE_WITHIN
         assert search.found is lifted
 
 
 def test_what_needs_no_reserve_has_none(lifted, monkeypatch):
-    monkeypatch.setattr(searching, "simulate", lambda *_: Played(0.5))
+    monkeypatch.setattr(simulation, "simulate", lambda *_: Played(0.5))
     assert mrts.least_reserve(lambda _: lifted).reserve == 0
 
 
@@ -247,7 +246,7 @@ def test_a_lighter_load_counts_too(lifted):
     assert (errors.opposite().mass, errors.opposite().com.tolist()) == (-0.05, [0.0, 0.0, 0.0])
     first = mrts.least_reserve(lambda _: lifted, errors=errors).tried[0]
     both = [mrts.simulate(lifted, errors=each).uses[0][1].share for each in (errors, errors.opposite())]
-    assert first.share == max(both) != min(both)
+    assert first.largest == max(both) != min(both)
 
 
 @pytest.mark.slow
