@@ -171,26 +171,23 @@ class CollisionModel:
 
     def __init__(self, cell: Cell) -> None:
         coal = coal_module()
-        self._cell = cell
-        self._first = np.cumsum([0, *(len(robot.joints) + 1 for robot in cell.robots)])
-        of_object, world = int(self._first[-1]), int(self._first[-1]) + 1
-        shapes = list[Shape]()
-        for first, robot in zip(self._first, cell.robots, strict=False):
-            shapes += link_shapes(robot, cell.folder, int(first))
-        seen = {shape.name.split("/")[0] for shape in shapes}
-        unseen = [f"robot '{robot.name}'" for robot in cell.robots if robot.name not in seen]
+        self._cell, arms, shapes = cell, len(cell.robots), list[Shape]()
+        for arm, robot in enumerate(cell.robots):
+            shapes += link_shapes(robot, arm, cell.folder)
+        seen = {shape.arm for shape in shapes}
+        unseen = [f"robot '{robot.name}'" for arm, robot in enumerate(cell.robots) if arm not in seen]
         if cell.object_shape is None:
             unseen.append("the object")
         else:
-            shapes.append(record_shape("object", of_object, cell.object_shape))
-        shapes += [record_shape(one.name, world, one, hollow=True) for one in cell.surroundings]
+            shapes.append(record_shape("object", arms, cell.object_shape))
+        shapes += [record_shape(one.name, arms + 1, one, hollow=True) for one in cell.surroundings]
         self._shapes, self.unseen = shapes, tuple(unseen)
-        self._bodies = np.array([shape.body for shape in shapes], dtype=int)
+        first = np.cumsum([0, *(len(robot.joints) + 1 for robot in cell.robots), 1])  # of the bodies in `_Poses`
+        self._bodies = np.array([first[shape.arm] + shape.body for shape in shapes], dtype=int)
         self._centers = np.array([shape.center for shape in shapes]).reshape(-1, 3)
         self._radii = np.array([shape.radius for shape in shapes])
-        self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
-        self._transform = coal.Transform3s
-        candidates = [(a, b) for a, b in combinations(range(len(shapes)), 2) if self._can_collide(a, b)]
+        self._coal, self._request, self._result = coal, coal.DistanceRequest(), coal.DistanceResult()
+        candidates = [(a, b) for a, b in combinations(range(len(shapes)), 2) if self._can_collide(shapes[a], shapes[b])]
         self._set_pairs(candidates)
         always = self._always_overlap()
         self.left_out = tuple(self._names(pair) for pair in np.flatnonzero(always).tolist())
@@ -207,43 +204,41 @@ class CollisionModel:
             order = np.argsort(np.concatenate([found.time, more.time]), kind="stable")
             merged = {key: np.concatenate([of, getattr(more, key)])[order] for key, of in vars(found).items()}
             found = _Poses(**merged)
+        nothing = Clearance(np.inf, None, None, None, own, self.unseen, self.left_out)
         if not self._pairs.size:
-            return Clearance(np.inf, None, None, None, own, self.unseen, self.left_out)
+            return nothing
         sample, pair = np.unravel_index(int(np.argmin(found.bounds)), found.bounds.shape)
         distance = self._distance(found, int(sample), int(pair))
         points = np.array([self._result.getNearestPoint1(), self._result.getNearestPoint2()])
-        return Clearance(
-            distance, self._names(int(pair)), float(found.time[sample]), points, own, self.unseen, self.left_out
-        )
+        names, time = self._names(int(pair)), float(found.time[sample])
+        return replace(nothing, distance=distance, pair=names, time=time, points=points)
 
-    def _place(self, shape: int) -> tuple[int, int]:
-        """Which arm a shape is of, or the number of arms and more, and which of its bodies."""
-        body = int(self._bodies[shape])
-        arm = int(np.searchsorted(self._first, body, side="right")) - 1
-        return arm, body - int(self._first[arm])
-
-    def _one_machine(self, arm: int, other: int) -> bool:
+    def _one_machine(self, one: Shape, other: Shape) -> bool:
         robots = self._cell.robots
-        if max(arm, other) >= len(robots):
+        if max(one.arm, other.arm) >= len(robots):
             return False
-        return arm == other or robots[other].name in machine_of(self._cell, robots[arm].name)
+        return one.arm == other.arm or robots[other.arm].name in machine_of(self._cell, robots[one.arm].name)
 
-    def _can_collide(self, a: int, b: int) -> bool:
-        """Whether two shapes move against each other, are no neighbours in an arm, and do not hold each other."""
-        arms = len(self._cell.robots)
-        (one, k), (other, m) = self._place(a), self._place(b)
-        stands = [of == (arms, 1) or (of[0] < arms and of[1] == 0) for of in ((one, k), (other, m))]
-        if all(stands) or (one, k) == (other, m):
+    def _can_collide(self, one: Shape, other: Shape) -> bool:
+        """Whether two shapes move against each other, are no neighbours in an arm, and do not hold each other.
+
+        The other is of the same arm or of a later one.
+        """
+        robots, arms = self._cell.robots, len(self._cell.robots)
+        k, m = one.body, other.body
+        stands = [of.arm > arms or (of.arm < arms and of.body == 0) for of in (one, other)]
+        if all(stands) or (one.arm, k) == (other.arm, m):
             return False
-        if (other, m) == (arms, 0):  # the object and a hand
-            return k != len(self._cell.robots[one].joints)
-        if not self._one_machine(one, other) or (one != other and k * m > 0):
+        if other.arm == arms:  # the object and a hand
+            return k != len(robots[one.arm].joints)
+        if not self._one_machine(one, other) or (one.arm != other.arm and k * m > 0):
             return True
-        return not _are_neighbours(self._cell.robots[one if k > m else other], *sorted((k, m)))
+        return not _are_neighbours(robots[one.arm if k > m else other.arm], *sorted((k, m)))
 
     def _set_pairs(self, pairs: list[tuple[int, int]]) -> None:
         self._pairs = np.array(pairs, dtype=int).reshape(-1, 2)
-        self._compute = [self._shapes[a].distance_to(self._shapes[b]) for a, b in pairs]
+        geometries = [shape.geometry for shape in self._shapes]
+        self._compute = [self._coal.ComputeDistance(geometries[a], geometries[b]) for a, b in pairs]
 
     def _names(self, pair: int) -> tuple[str, str]:
         a, b = self._pairs[pair]
@@ -257,7 +252,7 @@ class CollisionModel:
         poses = self._placed(np.arange(float(POSES)), q, still, unturned)
         return np.array(
             [
-                self._one_machine(self._place(a)[0], self._place(b)[0])
+                self._one_machine(self._shapes[a], self._shapes[b])
                 and all(poses.bounds[k, pair] < 0 and self._distance(poses, k, pair) < 0 for k in range(POSES))
                 for pair, (a, b) in enumerate(self._pairs)
             ],
@@ -293,9 +288,9 @@ class CollisionModel:
         a, b = self._pairs[pair]
         self._result.clear()
         transforms = []
-        for shape in (self._shapes[a], self._shapes[b]):
-            R, p = poses.R[k, shape.body], poses.p[k, shape.body]
-            transforms.append(self._transform(R @ shape.pose.R, R @ shape.pose.p + p))
+        for shape, body in ((self._shapes[each], self._bodies[each]) for each in (a, b)):
+            R, p = poses.R[k, body], poses.p[k, body]
+            transforms.append(self._coal.Transform3s(R @ shape.pose.R, R @ shape.pose.p + p))
         return float(self._compute[pair](*transforms, self._request, self._result))
 
     def _measure(self, poses: _Poses, k: int, pair: int) -> float:
@@ -331,28 +326,29 @@ class CollisionModel:
 
     def _arms_length(self, q: Array) -> Array:
         """How far a point of a pair moves against the other at most for each joint's and the object's, (P, m + 2)."""
-        cell, object_at = self._cell, int(self._first[-1])
+        cell, slices = self._cell, [*self._cell.joint_slices.values()]
         reach = np.zeros((len(self._shapes), q.shape[1] + 2))
-        for at, shape in enumerate(self._shapes):
-            if shape.body == object_at:
-                reach[at, -2:] = 1.0, np.linalg.norm(shape.center) + shape.radius
-            elif shape.body < object_at:
-                arm, moved = self._place(at)
-                robot, joints = cell.robots[arm], [*cell.joint_slices.values()][arm]
-                reach[at, joints][:moved] = _reaches(robot, moved, shape, np.max(np.abs(q[:, joints]), axis=0))
+        for row, shape in zip(reach, self._shapes, strict=True):
+            if shape.arm == len(cell.robots):
+                row[-2:] = 1.0, np.linalg.norm(shape.center) + shape.radius
+            elif shape.arm < len(cell.robots):
+                joints = slices[shape.arm]
+                row[joints][: shape.body] = _reaches(
+                    cell.robots[shape.arm], shape, np.max(np.abs(q[:, joints]), axis=0)
+                )
         a, b = self._pairs.T
         both = reach[a] + reach[b]
-        same = np.array([self._place(one)[0] == self._place(other)[0] for one, other in self._pairs])
+        same = np.array([self._shapes[one].arm == self._shapes[other].arm for one, other in self._pairs])
         # joints that carry both bodies of one arm do not move them against each other
         both[same] = np.where((reach[a] > 0) & (reach[b] > 0), 0.0, both)[same]
         return np.asarray(both)
 
 
-def _reaches(robot: Robot, moved: int, shape: Shape, most: Array) -> Array:
-    """The largest distance of a shape's points from each joint that moves it, 1 for prismatic ones, Shape (moved,)."""
-    reach = float(np.linalg.norm(shape.center - robot.points[moved - 1])) + shape.radius
-    found = np.empty(moved)
-    for joint in range(moved - 1, -1, -1):
+def _reaches(robot: Robot, shape: Shape, most: Array) -> Array:
+    """The largest distance of a shape's points from each joint that moves it, 1 for prismatic ones, Shape (body,)."""
+    reach = float(np.linalg.norm(shape.center - robot.points[shape.body - 1])) + shape.radius
+    found = np.empty(shape.body)
+    for joint in range(shape.body - 1, -1, -1):
         found[joint] = reach if robot.turns[joint] else 1.0
         reach += 0.0 if robot.turns[joint] else float(most[joint])
         reach += float(np.linalg.norm(robot.points[joint] - robot.points[joint - 1])) if joint else 0.0

@@ -28,7 +28,8 @@ class Shape:
 
     Attributes:
         name: As messages give it.
-        body: Number of the body.
+        arm: Which one it is of; the object is one more, the world another.
+        body: Which of its bodies, 0 the base; of the object and of the world 0.
         geometry: Of coal.
         pose: Its frame in that of the body.
         center: Of a ball around it, in the body's frame, Shape (3,) [m].
@@ -36,15 +37,12 @@ class Shape:
     """
 
     name: str
+    arm: int
     body: int
     geometry: Any
     pose: RigidTransform
     center: Array
     radius: float
-
-    def distance_to(self, other: "Shape") -> Any:
-        """What computes the signed distance of the two from where they are."""
-        return coal_module().ComputeDistance(self.geometry, other.geometry)
 
 
 def coal_module() -> Any:
@@ -59,10 +57,10 @@ def coal_module() -> Any:
     return coal
 
 
-def link_shapes(robot: Robot, folder: Path | None, first: int) -> list[Shape]:
+def link_shapes(robot: Robot, arm: int, folder: Path | None) -> list[Shape]:
     """Shapes of an arm's links: of each its <collision>, else its <visual>; meshes as their convex hulls.
 
-    Its URDF is relative to a folder; `first` is the number of its base among all bodies.
+    Its URDF is relative to a folder.
     """
     if folder is None:
         rule = "it is not known where its URDF is: read its cell file, mrts.load_cell(path)."
@@ -79,7 +77,7 @@ def link_shapes(robot: Robot, folder: Path | None, first: int) -> list[Shape]:
                 geometry = _link_geometry(path, part.geometry)
                 if geometry is not None:
                     pose = RigidTransform(T[:3, :3], T[:3, 3])
-                    found.append(_shape(f"{robot.name}/{link}", first + body, geometry, pose))
+                    found.append(_shape(f"{robot.name}/{link}", arm, body, geometry, pose))
     return found
 
 
@@ -100,7 +98,7 @@ def _link_geometry(path: Path, given: Any) -> Any:
     return _hull(np.asarray(mesh.vertices) * scale) if len(mesh.vertices) else None
 
 
-def record_shape(name: str, body: int, record: ShapeRecord, *, hollow: bool = False) -> Shape:
+def record_shape(name: str, arm: int, record: ShapeRecord, *, hollow: bool = False) -> Shape:
     """The shape of the object or of an obstacle; a mesh as its convex hull, or "hollow" as its triangles."""
     coal = coal_module()
     if record.box is not None:
@@ -111,12 +109,12 @@ def record_shape(name: str, body: int, record: ShapeRecord, *, hollow: bool = Fa
         assert record.mesh is not None  # noqa: S101 (the record has one of the three)
         vertices, triangles = unpacked_surface(record.mesh.vertices, record.mesh.triangles)
         geometry = _surface(vertices, triangles) if hollow else _hull(vertices)
-    return _shape(name, body, geometry, record.pose)
+    return _shape(name, arm, 0, geometry, record.pose)
 
 
-def _shape(name: str, body: int, geometry: Any, pose: RigidTransform) -> Shape:
+def _shape(name: str, arm: int, body: int, geometry: Any, pose: RigidTransform) -> Shape:
     geometry.computeLocalAABB()
-    return Shape(name, body, geometry, pose, pose.R @ geometry.aabb_center + pose.p, float(geometry.aabb_radius))
+    return Shape(name, arm, body, geometry, pose, pose.R @ geometry.aabb_center + pose.p, float(geometry.aabb_radius))
 
 
 def _hull(points: Array) -> Any:

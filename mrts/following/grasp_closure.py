@@ -4,6 +4,7 @@
 They miss them by a planner's tolerance, by rounding, or by a spline.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -301,16 +302,9 @@ def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Ar
 def _inverses(J: Array) -> Array:
     """Pseudoinverses of Jacobians without the directions that a singular arm has lost, Shape (N, n_i, w)."""
     if J.shape[1] == J.shape[2]:
-        try:
+        with suppress(np.linalg.LinAlgError):
             inverses = np.asarray(np.linalg.inv(J), dtype=np.float64)
-        except np.linalg.LinAlgError:
-            return _pseudoinverses(J)
-        entries = J.reshape(len(J), -1), inverses.reshape(len(J), -1)
-        condition = np.sqrt(row_products(entries[0], entries[0]) * row_products(entries[1], entries[1]))  # or less
-        if np.all(condition < CONDITION_LIMIT):
-            return inverses
-    return _pseudoinverses(J)
-
-
-def _pseudoinverses(J: Array) -> Array:
+            condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverses, axis=(1, 2))  # or less
+            if np.all(condition < CONDITION_LIMIT):
+                return inverses
     return np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64)

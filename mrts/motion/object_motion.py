@@ -1,18 +1,16 @@
 # SPDX-License-Identifier: MIT
 """The motion of the carried object: its samples, checked, and where it is known, its course between them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import InitVar, dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError
 from mrts.base.formats.record import Shape, check_attributes
-from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import vectors_from_rotations
 
@@ -45,7 +43,7 @@ ObjectCourse = Callable[[Array], ObjectRates]
 
 
 @dataclass(frozen=True, repr=False)
-class ObjectMotion(InNotebooks):
+class ObjectMotion:
     """N samples of the given motion of the object frame, world axes.
 
     Attributes:
@@ -70,17 +68,6 @@ class ObjectMotion(InNotebooks):
 
     def __repr__(self) -> str:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Where it begins and ends, how fast it is."""
-        speed, turning = (np.max(np.linalg.norm(part, axis=1)) for part in np.split(self.twist, 2, axis=1))
-        yield NotebookTable(("", ""), [
-            ("duration", f"{self.time[-1]:.4g} s in {len(self.time)} samples"),
-            ("from", f"{', '.join(f'{x:.6g}' for x in self.position[0])} m"),
-            ("to", f"{', '.join(f'{x:.6g}' for x in self.position[-1])} m"),
-            ("fastest", f"{speed:.4g} m/s, {turning:.4g} rad/s"),
-            *((remark.code, remark.text) for remark in self.remarks),
-        ])  # fmt: skip
 
     def __post_init__(self, smooth: bool) -> None:
         check_type("smooth", smooth, bool)
@@ -162,37 +149,30 @@ def check_derivatives(
         InputError: If the rates do not lead from sample to sample.
     """
     h = np.diff(time)[:, None]
-    pairs = (("rates", value, rate, change, noise[0]), ("accelerations", rate, change, None, noise[1]))
-    for what, values, first, second, left_out in pairs:
-        expected = h / 2 * (first[:-1] + first[1:])
-        if second is not None:
-            expected = expected + h**2 / 12 * (second[:-1] - second[1:])
-        tolerance = RATE_TOLERANCE if second is not None else ACCELERATION_TOLERANCE
-        steps = np.diff(values, axis=0)
-        off = _lengths(steps - expected)
-        size = max(float(np.max(_lengths(steps))), float(np.max(_lengths(expected))))
-        _check_way(name, what, time, (np.arange(len(off)), off), size, tolerance * size + left_out)
-        way, led = values[1:] - values[0], np.cumsum(expected, axis=0)
-        size = max(float(np.max(_lengths(way))), float(np.max(_lengths(led))))
-        allowed = RATE_TOLERANCE * size + (0.0 if second is not None else 2 * float(np.max(off)))
-        _check_way(name, what, time, (np.zeros(len(off), np.intp), _lengths(way - led)), size, allowed + left_out)
+    bend = h**2 / 12 * (change[:-1] - change[1:])
+    for what, values, first, second, tolerance, left_out in (
+        ("rates", value, rate, bend, RATE_TOLERANCE, noise[0]),
+        ("accelerations", rate, change, 0.0, ACCELERATION_TOLERANCE, noise[1]),
+    ):
+        expected = h / 2 * (first[:-1] + first[1:]) + second
+        steps, each = np.diff(values, axis=0), np.arange(len(h))
+        jumps = 2 * float(np.max(_lengths(steps - expected))) if what == "accelerations" else 0.0
+        for start, way, led, share, beside in (
+            (each, steps, expected, tolerance, 0.0),
+            (0 * each, values[1:] - values[0], np.cumsum(expected, axis=0), RATE_TOLERANCE, jumps),
+        ):
+            off, size = _lengths(way - led), max(float(np.max(_lengths(way))), float(np.max(_lengths(led))))
+            worst = int(np.argmax(off))
+            if off[worst] > share * size + beside + left_out:
+                raise InputError(
+                    name,
+                    f"its {what} do not lead from sample {start[worst]} to {worst + 1} "
+                    f"(t = {time[start[worst]]:.6g} to "
+                    f"{time[worst + 1]:.6g} s): they are off by {100 * off[worst] / size:.3g} % of the largest such "
+                    "step. Check units, world axes and signs; if those are right, the samples are too few, or have too "
+                    "few digits.",
+                )
 
 
 def _lengths(steps: Array) -> Array:
     return np.asarray(np.linalg.norm(steps, axis=1), dtype=np.float64)
-
-
-def _check_way(
-    name: str, what: str, time: Array, missed: tuple[NDArray[np.intp], Array], size: float, allowed: float
-) -> None:
-    """Check how far the ways that start at given samples and end at 1 to N - 1 are missed, each Shape (N - 1,)."""
-    start, off = missed
-    worst = int(np.argmax(off))
-    if off[worst] <= allowed:
-        return
-    raise InputError(
-        name,
-        f"its {what} do not lead from sample {start[worst]} to {worst + 1} (t = {time[start[worst]]:.6g} to "
-        f"{time[worst + 1]:.6g} s): they are off by {100 * off[worst] / size:.3g} % of the largest such step. Check "
-        "units, world axes and signs; if those are right, the samples are too few, or have too few digits.",
-    )

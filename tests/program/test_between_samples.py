@@ -45,7 +45,9 @@ def test_drawn_motions_keep_their_limits_50_times_as_dense(cells, kind, tmp_path
         assert not found.excess.passes
         assert "between the samples" not in found.sentence()
         overstepped = max(overstepped, dense_excess(cell, dense, bare.trajectory.c2))
-        np.testing.assert_array_equal(found.motion.q[np.isin(found.motion.object.time, motion.time)], bare.motion.q)
+        np.testing.assert_array_equal(
+            found.motion.q[np.isin(found.motion.object.time, bare.motion.object.time)], bare.motion.q
+        )
     assert np.isfinite(overstepped)
 
 
