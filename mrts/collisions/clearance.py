@@ -3,21 +3,25 @@
 
 from dataclasses import dataclass, replace
 from itertools import combinations
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import Progress, check_type
+from mrts.base.argument_types import Progress, check_type, require_extra
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
+from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
+from mrts.cell.generation import urdf_of
+from mrts.cell.record import ShapeRecord
 from mrts.cell.remarks import COLLISIONS_UNKNOWN, NO_COLLISIONS
 from mrts.cell.robot import Robot
-from mrts.collisions.bodies import body_poses
-from mrts.collisions.shapes import Shape, coal_module, link_shapes, record_shape
+from mrts.collisions.bodies import body_poses, mesh_file, posed_urdf, reading_meshes
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
@@ -37,6 +41,9 @@ PARALLEL, MEETING = 1e-6, 1e-3
 
 FREE_RANGE = {"revolute": np.pi, "prismatic": 1.0}
 """Half the range from which these are drawn for a joint without limits [rad, m]."""
+
+FLAT = 1e-6
+"""Least side of the box that stands for a mesh without volume [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +144,29 @@ def clearance_remarks(
 
 
 @dataclass(frozen=True, eq=False)
+class Shape:
+    """A shape that a body carries.
+
+    Attributes:
+        name: As messages give it.
+        arm: Which one it is of; the object is one more, the world another.
+        body: Which of its bodies, 0 the base; of the object and of the world 0.
+        geometry: Of coal.
+        pose: Its frame in that of the body.
+        center: Of a ball around it, in the body's frame, Shape (3,) [m].
+        radius: Of that ball [m].
+    """
+
+    name: str
+    arm: int
+    body: int
+    geometry: Any
+    pose: RigidTransform
+    center: Array
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
 class _Poses:
     """Where all bodies of a cell are: of each arm its base and what its joints move, then the object, then the world.
 
@@ -173,14 +203,14 @@ class CollisionModel:
         coal = coal_module()
         self._cell, arms, shapes = cell, len(cell.robots), list[Shape]()
         for arm, robot in enumerate(cell.robots):
-            shapes += link_shapes(robot, arm, cell.folder)
+            shapes += _link_shapes(robot, arm, cell.folder)
         seen = {shape.arm for shape in shapes}
         unseen = [f"robot '{robot.name}'" for arm, robot in enumerate(cell.robots) if arm not in seen]
         if cell.object_shape is None:
             unseen.append("the object")
         else:
-            shapes.append(record_shape("object", arms, cell.object_shape))
-        shapes += [record_shape(one.name, arms + 1, one, hollow=True) for one in cell.surroundings]
+            shapes.append(_record_shape("object", arms, cell.object_shape))
+        shapes += [_record_shape(one.name, arms + 1, one, hollow=True) for one in cell.surroundings]
         self._shapes, self.unseen = shapes, tuple(unseen)
         first = np.cumsum([0, *(len(robot.joints) + 1 for robot in cell.robots), 1])  # of the bodies in `_Poses`
         self._bodies = np.array([first[shape.arm] + shape.body for shape in shapes], dtype=int)
@@ -371,3 +401,107 @@ def _random_postures(robot: Robot, random: np.random.Generator) -> Array:
     lower = np.where(np.isfinite(robot.position_lower), robot.position_lower, -half)
     upper = np.where(np.isfinite(robot.position_upper), robot.position_upper, half)
     return random.uniform(lower, np.maximum(lower, upper), (POSES, len(half)))
+
+
+def coal_module() -> Any:
+    """The library coal.
+
+    Raises:
+        InputError: If it is not installed.
+    """
+    require_extra("collisions", "collision", "coal")
+    import coal  # noqa: PLC0415 (the extra 'collision')
+
+    return coal
+
+
+def _link_shapes(robot: Robot, arm: int, folder: Path | None) -> list[Shape]:
+    """Shapes of an arm's links: of each its <collision>, else its <visual>; meshes as their convex hulls.
+
+    Its URDF is relative to a folder.
+    """
+    if folder is None:
+        rule = "it is not known where its URDF is: read its cell file, mrts.load_cell(path)."
+        raise InputError(f"robot '{robot.name}'", rule)
+    path, found = urdf_of(robot, folder), list[Shape]()
+    with reading_meshes(path):
+        source = robot.source
+        model, bodies, base = posed_urdf(path, source.base_link, robot.joints, robot.held, visuals=False)
+        for link, body in bodies.items():
+            of_link = model.link_map[link]
+            T_base_link = model.get_transform(link, base)
+            for part in of_link.collisions or of_link.visuals:
+                T = T_base_link if part.origin is None else T_base_link @ part.origin
+                geometry = _link_geometry(path, part.geometry)
+                if geometry is not None:
+                    pose = RigidTransform(T[:3, :3], T[:3, 3])
+                    found.append(_shape(f"{robot.name}/{link}", arm, body, geometry, pose))
+    return found
+
+
+def _link_geometry(path: Path, given: Any) -> Any:
+    coal = coal_module()
+    if given.box is not None:
+        return coal.Box(*map(float, given.box.size))
+    if given.sphere is not None:
+        return coal.Sphere(float(given.sphere.radius))
+    if given.cylinder is not None:
+        return coal.Cylinder(float(given.cylinder.radius), float(given.cylinder.length))
+    if given.mesh is None:
+        return None
+    import trimesh  # noqa: PLC0415 (half a second, for arms that have meshes)
+
+    mesh: Any = trimesh.load(mesh_file(path, given.mesh.filename), force="mesh", skip_materials=True)
+    scale = 1.0 if given.mesh.scale is None else given.mesh.scale
+    return _hull(np.asarray(mesh.vertices) * scale) if len(mesh.vertices) else None
+
+
+def _record_shape(name: str, arm: int, record: ShapeRecord, *, hollow: bool = False) -> Shape:
+    """The shape of the object or of an obstacle; a mesh as its convex hull, or "hollow" as its triangles."""
+    coal = coal_module()
+    if record.box is not None:
+        geometry = coal.Box(*record.box)
+    elif record.cylinder is not None:
+        geometry = coal.Cylinder(record.cylinder.radius, record.cylinder.length)
+    else:
+        assert record.mesh is not None  # noqa: S101 (the record has one of the three)
+        vertices, triangles = unpacked_surface(record.mesh.vertices, record.mesh.triangles)
+        geometry = _surface(vertices, triangles) if hollow else _hull(vertices)
+    return _shape(name, arm, 0, geometry, record.pose)
+
+
+def _shape(name: str, arm: int, body: int, geometry: Any, pose: RigidTransform) -> Shape:
+    geometry.computeLocalAABB()
+    return Shape(name, arm, body, geometry, pose, pose.R @ geometry.aabb_center + pose.p, float(geometry.aabb_radius))
+
+
+def _hull(points: Array) -> Any:
+    from scipy.spatial import QhullError  # noqa: PLC0415 (only for meshes)
+    from trimesh.convex import convex_hull  # noqa: PLC0415
+
+    coal = coal_module()
+    try:
+        hull = convex_hull(points)
+    except QhullError:  # flat: the box around it
+        low, high = np.min(points, axis=0), np.max(points, axis=0)
+        corners = np.stack(np.meshgrid(*np.stack([low, np.maximum(high, low + FLAT)], axis=1)), axis=-1)
+        hull = convex_hull(corners.reshape(-1, 3))
+    return coal.Convex(*_coal_lists(hull.vertices, hull.faces))
+
+
+def _surface(vertices: Array, triangles: NDArray[np.int64]) -> Any:
+    model = coal_module().BVHModelOBBRSS()
+    model.beginModel(len(triangles), len(vertices))
+    model.addSubModel(*_coal_lists(vertices, triangles))
+    model.endModel()
+    return model
+
+
+def _coal_lists(vertices: Array, triangles: NDArray[Any]) -> tuple[Any, Any]:
+    coal = coal_module()
+    points, corners = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    for vertex in np.asarray(vertices, dtype=np.float64):
+        points.append(vertex)
+    for triangle in triangles.tolist():
+        corners.append(coal.Triangle(*triangle))
+    return points, corners

@@ -31,41 +31,19 @@ UNITS = {
 
 
 @dataclass(frozen=True, eq=False)
-class MotorParameter:
-    """One parameter of every joint of an arm.
+class ArmMotors:
+    """The motors of one arm, joint side of their gears, and what they leave unexplained.
+
+    The first five are by parameter: "armature" (rotor inertia by the square of the gear ratio [kg m² or kg]), "coulomb"
+    (dry friction [N m or N]) and "viscous" (friction by speed [N m s/rad or N s/m]).
 
     Attributes:
+        robot: The arm.
         value: Shape (n,), 0 where it is not identified.
         half_width: Half the interval of 95 % confidence, Shape (n,), infinity where it is not identified.
         reasons: Why the motion does not show it, "" where it does, Shape (n,).
         bounded: Whether it is 0 because it must not be negative, Shape (n,).
         free: What it would be if it might, Shape (n,).
-    """
-
-    value: Array
-    half_width: Array
-    reasons: NDArray[np.str_]
-    bounded: NDArray[np.bool_]
-    free: Array
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    @property
-    def identified(self) -> NDArray[np.bool_]:
-        """Whether the motion shows it, Shape (n,)."""
-        return np.asarray(self.reasons == "")
-
-
-@dataclass(frozen=True, eq=False)
-class ArmMotors:
-    """The motors of one arm, joint side of their gears, and what they leave unexplained.
-
-    Attributes:
-        robot: The arm.
-        armature: Rotor inertia by the square of the gear ratio [kg m² or kg].
-        coulomb: Dry friction [N m or N].
-        viscous: Friction by speed [N m s/rad or N s/m].
         offset: Constant part of the effort, which no motor has: a sensor's zero, a load that the model lacks,
             Shape (n,) [N m or N].
         residual_rms: Of what was not explained, means of blocks, Shape (n,) [N m or N].
@@ -80,9 +58,11 @@ class ArmMotors:
     """
 
     robot: Robot
-    armature: MotorParameter
-    coulomb: MotorParameter
-    viscous: MotorParameter
+    value: dict[str, Array]
+    half_width: dict[str, Array]
+    reasons: dict[str, NDArray[np.str_]]
+    bounded: dict[str, NDArray[np.bool_]]
+    free: dict[str, Array]
     offset: Array
     residual_rms: Array
     explained: Array
@@ -96,11 +76,6 @@ class ArmMotors:
 
     def __post_init__(self) -> None:
         freeze(self)
-
-    @property
-    def estimates(self) -> dict[str, MotorParameter]:
-        """Armature, coulomb and viscous, by these names."""
-        return {name: getattr(self, name) for name in UNITS}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -137,14 +112,13 @@ class MotorIdentification:
     @property
     def empty(self) -> bool:
         """Whether no parameter is identified of all joints of an arm, so that nothing can be written."""
-        return not any(np.all(found.identified) for arm in self.arms for found in arm.estimates.values())
+        return not any(np.all(why == "") for arm in self.arms for why in arm.reasons.values())
 
     def sentence(self) -> str:
         """The outcome in one line."""
-        every = sum(found.identified.size for arm in self.arms for found in arm.estimates.values())
-        known = sum(int(np.count_nonzero(found.identified)) for arm in self.arms for found in arm.estimates.values())
+        reasons = np.concatenate([why for arm in self.arms for why in arm.reasons.values()])
         arms = ", ".join(arm.robot.name for arm in self.arms)
-        return f"{known} of {every} parameters of the motors of {arms} identified"
+        return f"{np.count_nonzero(reasons == '')} of {reasons.size} parameters of the motors of {arms} identified"
 
     def to_yaml(self) -> str:
         """The `motors` block of each recorded robot, as it stands in a cell file, with what is known of its numbers.
@@ -173,18 +147,18 @@ def _block(arm: ArmMotors) -> list[str]:
     rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, arm.robot.torque_units, strict=True))
     told = [f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz; residual rms {rms}"]
     motors: dict[str, Any] = {}
-    for name, found in arm.estimates.items():
-        if all(found.identified):
+    for name, (turning, sliding) in UNITS.items():
+        value, half_width, reasons = arm.value[name], arm.half_width[name], arm.reasons[name]
+        if all(reasons == ""):
             block = motors if name == "armature" else motors.setdefault("friction", {})
-            block[name] = [float(f"{value:.{DIGITS}g}") for value in found.value]
-            zero = ", ".join(np.array(arm.robot.joints)[found.bounded])
-            widths = ", ".join(f"{width:.2g}" for width in found.half_width)
-            turning, sliding = UNITS[name]
+            block[name] = [float(f"{number:.{DIGITS}g}") for number in value]
+            zero = ", ".join(np.array(arm.robot.joints)[arm.bounded[name]])
+            widths = ", ".join(f"{width:.2g}" for width in half_width)
             units = " or ".join(dict.fromkeys(turning if of == "rad" else sliding for of in arm.robot.position_units))
             told.append(f"{name} in {units} ± {widths}{f'; held at 0: {zero}' if zero else ''}")
         else:
             told.append(f"{name} is not known of every joint, so it is left out:")
-            joints = zip(arm.robot.joints, found.reasons, found.value, found.half_width, strict=True)
-            told += [f"  {joint}: {why or f'{value:.4g} ± {width:.2g}'}" for joint, why, value, width in joints]
+            joints = zip(arm.robot.joints, reasons, value, half_width, strict=True)
+            told += [f"  {joint}: {why or f'{number:.4g} ± {width:.2g}'}" for joint, why, number, width in joints]
     block_text = yaml_text({"motors": motors}) if motors else ""
     return [f"    # {printable(line)}" for line in told] + indent(block_text, "    ").splitlines()

@@ -17,7 +17,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.following.coordinate import MOST_NAMED, columns_by_joint, other_columns
 from mrts.following.tracking import PRINTED_TOLERANCE, within_limits
-from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
+from mrts.identification.identified_motors import UNITS, ArmMotors, MotorIdentification
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
 
@@ -163,8 +163,8 @@ def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors
     return ArmMotors(
         robot=robot,
         **{
-            name: MotorParameter(**{key: np.array([fit[key][place] for fit in fits]) for key in fits[0]})
-            for place, name in enumerate(PARAMETERS)
+            key: {name: np.array([fit[key][PARAMETERS.index(name)] for fit in fits]) for name in UNITS}
+            for key in fits[0]
         },
         offset=np.array(offset),
         residual_rms=np.array(residual_rms),
@@ -226,11 +226,11 @@ def _remarks(arm: ArmMotors, motion: RecordedMotion) -> Iterator[Remark]:
                 f"'{name}' moves from {low[place]:.4g} to {high[place]:.4g} {robot.position_units[place]}, its limits "
                 f"are [{least[place]:.4g}, {most[place]:.4g}]: is its zero that of the URDF? Gravity depends on it.",
             )
-        for kind, found in arm.estimates.items():
-            if found.reasons[place]:
-                yield Remark("not-excited", f"{kind} of '{name}' is not identified: {found.reasons[place]}.")
-            if found.bounded[place]:
-                free = f"{found.free[place]:.3g} ± {found.half_width[place]:.2g}"
+        for kind, reasons in arm.reasons.items():
+            if reasons[place]:
+                yield Remark("not-excited", f"{kind} of '{name}' is not identified: {reasons[place]}.")
+            if arm.bounded[kind][place]:
+                free = f"{arm.free[kind][place]:.3g} ± {arm.half_width[kind][place]:.2g}"
                 yield Remark(
                     "bound-active",
                     f"{kind} of '{name}' is 0 because it cannot be negative; free, it were {free}: where that is far "
@@ -268,7 +268,7 @@ def fit_joint(
         torque_limit: That it has [N m or N].
 
     Returns:
-        What `MotorParameter` has, of the `PARAMETERS` of this joint, each Shape (3,); the constant part of the effort
+        What `ArmMotors` has of the `PARAMETERS` of this joint, each Shape (3,); the constant part of the effort
         [N m or N]; what they say of the blocks, Shape (B,) [N m or N]; root mean square of what is left [N m or N].
     """
     from scipy.optimize import lsq_linear  # noqa: PLC0415 (slow to import)

@@ -26,9 +26,9 @@ def _joint(arm: ArmMotors, joint: int) -> list[Panel]:
         Line(x=arm.time, y=fitted, color=COLOURS[1], width=0.8, label="motor"),
     ]
     speed = arm.velocity[used, joint]
-    torque = arm.left_over[used, joint] - arm.armature.value[joint] * arm.acceleration[used, joint]
+    torque = arm.left_over[used, joint] - arm.value["armature"][joint] * arm.acceleration[used, joint]
     reach = np.max(np.abs(speed), initial=0.0)
-    coulomb, viscous = arm.coulomb.value[joint], arm.viscous.value[joint]
+    coulomb, viscous = arm.value["coulomb"][joint], arm.value["viscous"][joint]
     line = np.array([-coulomb - viscous * reach, -coulomb, coulomb, coulomb + viscous * reach])
     friction: list[Item] = [
         Points(x=speed, y=torque - arm.offset[joint], symbol="dot", label="without armature"),

@@ -18,7 +18,7 @@ from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform, plane_normal
 from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.cell.remarks import urdf_remarks
-from mrts.following.structural_rank import lacking_freedom, postures_for_rank
+from mrts.following.coordinated_motion import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, plane_of, twist_rows
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, side_of
 

@@ -57,18 +57,14 @@ def simulation(request, planar_cell, dual_ur5):
     return cell, cell.robots[0], motors, simulated(cell, cell.robots[0], urdf, motors)
 
 
-def value_of(arm, kind):
-    return getattr(arm, kind).value
-
-
 def claimed(cell, robot, motors, runs):
     """Relative errors of the parameters of all runs, and whether the interval holds the truth, Shape (runs, 3, n)."""
     errors, held = [], []
     for time, q, effort in runs:
         arm = mrts.identify(cell, recording(FILE, names(robot), time, q, effort)).arm(robot.name)
-        off = np.array([value_of(arm, kind) - getattr(motors, kind) for kind in KINDS])
+        off = np.array([arm.value[kind] - getattr(motors, kind) for kind in KINDS])
         errors.append(off / [getattr(motors, kind) for kind in KINDS])
-        held.append(np.abs(off) <= [getattr(arm, kind).half_width for kind in KINDS])
+        held.append(np.abs(off) <= [arm.half_width[kind] for kind in KINDS])
     return np.array(errors), np.array(held)
 
 
@@ -110,7 +106,7 @@ def test_exact_recordings_give_exact_motors(name, request):
     assert found.remarks == ()
     assert not found.empty
     for kind in KINDS:
-        values = np.concatenate([value_of(arm, kind) for arm in found.arms])
+        values = np.concatenate([arm.value[kind] for arm in found.arms])
         assert np.max(np.abs(values / getattr(motors, kind) - 1)) < EXACT
     assert max(np.max(np.abs(arm.offset)) for arm in found.arms) < EXACT
     assert repr(found) == f"<MotorIdentification of {cell.name}: left, right>"
@@ -129,7 +125,7 @@ def test_a_recording_says_the_same_at_uneven_times_of_each_joint(planar_cell):
         parts[name] = mrts.RecordedJoint(3600 + time[keep], q[keep, place], effort[keep, place])
     found = mrts.identify(planar_cell, mrts.JointRecording(FILE, parts, {}))
     for kind in KINDS:
-        values = np.concatenate([value_of(arm, kind) for arm in found.arms])
+        values = np.concatenate([arm.value[kind] for arm in found.arms])
         np.testing.assert_allclose(values, getattr(motors, kind), rtol=2e-3)  # friction jumps between uneven samples
     arm = found.arms[0]
     unsampled = (arm.time > 6.8) & (arm.time < 7.8)
@@ -142,10 +138,9 @@ def test_a_joint_that_does_not_move_is_left_out(planar_cell):
     found = mrts.identify(planar_cell, recording(FILE, *exact_recording(planar_cell, motors, still=(1,))))
     left, right = found.arms
     for kind in KINDS:
-        parameter = getattr(left, kind)
-        np.testing.assert_array_equal(parameter.identified, [True, False, True])
-        assert (parameter.value[1], parameter.half_width[1]) == (0, np.inf)
-        np.testing.assert_allclose(value_of(right, kind), getattr(motors, kind)[3:], rtol=1e-4)
+        np.testing.assert_array_equal(left.reasons[kind] == "", [True, False, True])
+        assert (left.value[kind][1], left.half_width[kind][1]) == (0, np.inf)
+        np.testing.assert_allclose(right.value[kind], getattr(motors, kind)[3:], rtol=1e-4)
     assert {remark.code for remark in found.remarks} == {"not-excited"}
     assert len(found.remarks) == 3
     assert "coulomb of 'left/elbow' is not identified: it hardly moves" in str(found.remarks[1])
@@ -189,9 +184,8 @@ def test_what_a_motion_cannot_tell_apart_is_left_out(planar_cell, motion, told):
     noisy = measured(wrist, q[:, :3], effort[:, :3], np.random.default_rng(4))
     arm = mrts.identify(planar_cell, recording(FILE, joints[:3], time, *noisy)).arms[0]
     for kind in KINDS:
-        parameter = getattr(arm, kind)
-        assert told.get(kind, "") in parameter.reasons[2]
-        assert bool(parameter.identified[2]) == (kind not in told)
+        assert told.get(kind, "") in arm.reasons[kind][2]
+        assert (arm.reasons[kind][2] == "") == (kind not in told)
 
 
 def test_noise_of_positions_is_said_to_take_inertia(planar_cell):
@@ -207,7 +201,7 @@ def test_noise_of_positions_is_said_to_take_inertia(planar_cell):
     said = [remark.text for remark in noisy.remarks if remark.code == "noisy-positions"]
     assert len(said) == 6
     shares = np.array([float(re.search(r"is ([\d.]+) %", text).group(1)) / 100 for text in said])
-    lost = 1 - np.concatenate([value_of(arm, "armature") for arm in noisy.arms]) / motors.armature
+    lost = 1 - np.concatenate([arm.value["armature"] for arm in noisy.arms]) / motors.armature
     wrists = [2, 5]  # which turn next to nothing but their armature
     np.testing.assert_allclose(lost[wrists], shares[wrists], rtol=0.5)
 

@@ -161,7 +161,7 @@ def test_friction_and_residual_are_those_of_the_result(found):
     rows = motor_plot(arm).rows
     assert [len(row) for row in rows] == [3, 3, 3]
     dots, line = rows[0][1].items
-    coulomb, viscous = arm.coulomb.value[0], arm.viscous.value[0]
+    coulomb, viscous = arm.value["coulomb"][0], arm.value["viscous"][0]
     np.testing.assert_allclose(line.y, np.array([-1, -1, 1, 1]) * coulomb + viscous * line.x)
     assert len(dots.x) == np.count_nonzero(arm.used[:, 0])
     np.testing.assert_allclose(dots.y, coulomb * np.sign(dots.x) + viscous * dots.x, atol=0.01)
