@@ -13,8 +13,8 @@ import numpy as np
 import mrts
 from mrts.base.arrays import Array
 from mrts.following.coordinated_motion import carried_by_first
+from mrts.override.speed_override import random_wishes, wanted_at_ticks
 from mrts.override.tables import TICK
-from mrts.override.wishes import random_wishes, wanted_at_ticks
 from mrts.program.motion_rows import motion_rows
 from mrts.program.widening import motion_widening
 from mrts.scaling.scaled_trajectory import ScaledTrajectory

@@ -92,7 +92,7 @@ def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledT
 
 
 def _wishes(given: str, planned: "ScalingResult | RetimingResult | ScaledTrajectory") -> "Array":
-    from mrts.override.wishes import random_wishes, read_wishes
+    from mrts.override.speed_override import random_wishes, read_wishes
 
     word, sign, seed = given.partition(":")
     if (word, sign) != ("random", ":"):

@@ -21,8 +21,7 @@ from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
 from mrts.override.plan_nodes import resting_trajectory, trajectory_of
-from mrts.override.speed_override import SpeedOverride
-from mrts.override.wishes import commanded, wanted_at_ticks
+from mrts.override.speed_override import SpeedOverride, commanded, wanted_at_ticks
 from mrts.program.rate_limits import Rates
 from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses
 from mrts.scaling.result import ScalingResult

@@ -9,7 +9,7 @@ from random_motors import equipped
 from shipped_cells import DATA
 
 import mrts
-from mrts.override.wishes import commanded, random_wishes, read_wishes, wanted_at_ticks
+from mrts.override.speed_override import commanded, random_wishes, read_wishes, wanted_at_ticks
 from mrts.simulation.simulate import kept_uses
 
 SAME = 1e-6
