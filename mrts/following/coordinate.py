@@ -111,6 +111,6 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
 
 
 def other_columns(extra: Sequence[str]) -> str:
-    """What is said of columns that no joint of the cell has, where one is missing; empty if there is none."""
+    """What is said where a joint is missing, of columns that are none's or may be two's; empty if there are none."""
     names = first_names(sorted(extra), MOST_NAMED)
-    return f" No joint of the cell is {names}: is one of them meant?" if extra else ""
+    return f" Of no joint of the cell, or of two, are {names}: is one of them meant?" if extra else ""

@@ -128,10 +128,3 @@ def test_no_joint_positions_reach_further_and_some_nearly_as_far(name):
     distance = np.linalg.norm(state.p + state.R @ wrist - shoulder, axis=1)
     assert np.max(distance) <= longest + CLEARLY
     assert np.max(distance) > NEARLY[len(arm.com)] * longest
-
-
-def test_a_grasp_beyond_all_links_is_refused_without_a_search():
-    cell = mrts.load_cell(UR5 / "cell.yaml").with_values({"robots.left.base.xyz": [-3.0, 0, 0]})
-    motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")
-    with pytest.raises(mrts.MotionError, match=r"robot 'left' cannot reach .* its shoulder and reaches 0.918409 m"):
-        mrts.scale(cell, motion)

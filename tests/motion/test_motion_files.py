@@ -107,7 +107,7 @@ def test_joints_may_be_named_without_their_robot_where_that_tells_them(tmp_path,
         assert not any("passed over" in str(remark) for remark in told.warnings)
     columns = columns_of(dual_ur5, exact["turn", 101][0])
     shared = {name.replace("left/elbow", "elbow"): values for name, values in columns.items()}
-    with pytest.raises(mrts.InputError, match="'elbow' may be left/elbow or right/elbow"):
+    with pytest.raises(mrts.InputError, match=r"joint 'left/elbow' .* of two, are elbow: is one"):
         read(dual_ur5, write_table(tmp_path / "shared.csv", shared))
 
 
