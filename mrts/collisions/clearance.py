@@ -240,8 +240,8 @@ class CollisionModel:
         sample, pair = np.unravel_index(int(np.argmin(found.bounds)), found.bounds.shape)
         distance = self._distance(found, int(sample), int(pair))
         points = np.array([self._result.getNearestPoint1(), self._result.getNearestPoint2()])
-        names, time = self._names(int(pair)), float(found.time[sample])
-        return replace(nothing, distance=distance, pair=names, time=time, points=points)
+        when = float(found.time[sample])
+        return replace(nothing, distance=distance, pair=self._names(int(pair)), time=when, points=points)
 
     def _one_machine(self, one: Shape, other: Shape) -> bool:
         robots = self._cell.robots

@@ -304,7 +304,8 @@ class SpeedOverride:
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
         *commanded, active, finished = numbers.item()[:AT_A_TICK]  # as `kernel.override_library.state_type` orders them
         limits = self.tables.limits
-        return OverrideState(*commanded, finished=bool(finished), active=limits[active], numbers=numbers, limits=limits)
+        values: tuple[Any, ...] = (*commanded, bool(finished), limits[active], numbers, limits)
+        return OverrideState(*values)
 
 
 def _check_tick(dt: float) -> None:
