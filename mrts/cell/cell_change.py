@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Small changes to the numbers of a cell, one at a time: each limit, the mass, where arms stand, where they grasp."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import degrees, pi
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from mrts.base.arrays import Array
-from mrts.base.formats.record import Rule, check_attributes
+from mrts.base.formats.record import Record, Rule, check_attributes
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
-from mrts.cell.hands import Contact
-from mrts.cell.points import CarriedThing, PointLimit
+from mrts.cell.points import PointLimit
 from mrts.cell.robot import Robot
 
 AXES = "xyz"
@@ -25,21 +23,12 @@ ChangeKind = Literal[
 ]
 """What a change is of: a limit, the reserve that is kept of all of them, the mass, or a pose."""
 
-Point = TypeVar("Point", bound=PointLimit)
-
 Changed = tuple[ChangeKind, str, str]
 """Kind, robot and element of what is changed."""
 
+Keys = tuple[Any, ...]
+"""Attributes, places in tuples and at last what an array is indexed by, from a cell inward."""
 
-SIDES: dict[ChangeKind, tuple[str, ...]] = {
-    "torque": ("torque_lower", "torque_upper"),
-    "wrench": ("wrench_lower", "wrench_upper"),
-    "velocity": ("velocity_limit",),
-    "acceleration": ("acceleration_lower", "acceleration_upper"),
-}
-
-OF_POINT: dict[ChangeKind, str] = {"velocity": "speed", "acceleration": "acceleration"}
-"""What a limited point calls a limit of the kinds that it has."""
 
 Step = Annotated[float, Rule(ge=1e-9, le=0.9)]
 """Whatever its unit: the programs are right to 1e-9."""
@@ -123,69 +112,15 @@ class CellChange:
         """
         if self.kind == "mass":
             return cell.with_mass(cell.mass * (1 + self.step))
-        if self.kind == "reserve":
-            return cell.with_reserve(cell.reserve * (1 + self.step))
-        if self.robot == "object":
-            return replace(cell, **self._of_object(cell))
-        if self.kind == "base":
-            base = next(robot.T_world_base for robot in cell.robots if robot.name == self.robot)
-            return with_machine_at(cell, self.robot, self._moved(base))
-        robots = (
-            replace(robot, **self._of_robot(cell, robot)) if robot.name == self.robot else robot
-            for robot in cell.robots
-        )
-        return replace(cell, robots=tuple(robots))
-
-    def _of_object(self, cell: Cell) -> dict[str, Any]:
-        if self.kind == "contact":
-            return {"carried": tuple(self._of_thing(thing) for thing in cell.carried)}
-        name = f"object_{self.kind}_limit"
-        limit = getattr(cell, name) * (1 + self._steps(_OF_OBJECT))
-        return {name: limit, "object_points": tuple(map(self._of_point, cell.object_points))}
-
-    def _of_point(self, point: Point) -> Point:
-        key = OF_POINT[self.kind]
-        given = getattr(point, key)
-        changes = given is not None and point.name == self.element
-        return point.model_copy(update={key: given * (1 + self.step)}) if changes else point
-
-    def _of_thing(self, thing: CarriedThing) -> CarriedThing:
-        if thing.name != self.element:
-            return thing
-        more = 1 + self.step
-        return thing.model_copy(
-            update={
-                "friction": thing.friction and thing.friction * more,
-                "half_width": thing.half_width and [width * more for width in thing.half_width],
-            }
-        )
-
-    def _of_robot(self, cell: Cell, robot: Robot) -> dict[str, Any]:
-        if self.kind == "grasp":
-            return {"T_object_tip": self._moved(robot.T_object_tip)}
-        if self.kind == "contact":
-            return {"contacts": tuple(self._of_contact(contact) for contact in robot.contacts)}
-        steps = self._steps(cell.wrench_components if self.kind == "wrench" else robot.joints)
-        changed: dict[str, Any] = {name: _outward(robot, name, steps) for name in SIDES.get(self.kind, ())}
-        if self.kind in OF_POINT:
-            changed["point_limits"] = tuple(map(self._of_point, robot.point_limits))
-        if self.kind in {"torque", "motor speed"}:  # another motor: its curve changes with its torque limit
-            factor = np.array([1 + self.step, 1.0] if self.kind == "motor speed" else [1.0, 1 + self.step])
-            curves = tuple(
-                curve * factor if curve is not None and joint == self.element else curve
-                for joint, curve in zip(robot.joints, robot.motors.torque_speed, strict=True)
-            )
-            changed["motors"] = replace(robot.motors, torque_speed=curves)
-        return changed
-
-    def _of_contact(self, contact: Contact) -> Contact:
-        if contact.name != self.element:
-            return contact
-        step = np.where(contact.lower < contact.upper, self.step, 0.0)
-        return replace(contact, lower=_outward(contact, "lower", step), upper=_outward(contact, "upper", step))
-
-    def _steps(self, names: Sequence[str]) -> Array:
-        return np.array([self.step if name == self.element else 0.0 for name in names])
+        if self.kind in POSES:
+            robot = next(robot for robot in cell.robots if robot.name == self.robot)
+            if self.kind == "base":
+                return with_machine_at(cell, self.robot, self._moved(robot.T_world_base))
+            return cell.with_values({f"robots.{self.robot}.grasp": self._moved(robot.T_object_tip)})
+        places = [("reserve",)] if self.kind == "reserve" else limit_places(cell)[self.kind, self.robot, self.element]
+        for keys in places if self.step > 0 else reversed(places):
+            cell = _outward(cell, keys, self.step)
+        return cell
 
     def _moved(self, pose: RigidTransform) -> RigidTransform:
         step = np.array([self.step if self.element[-1] == axis else 0.0 for axis in AXES])
@@ -201,7 +136,7 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     another motor, and the curve's speeds by themselves. A component that is held at one number is no limit. Arms of one
     machine move with the base of the first of them.
     """
-    named: list[Changed] = [*limit_names(cell), ("mass", "", "")]
+    named: list[Changed] = [*limit_places(cell), ("mass", "", "")]
     if cell.reserve:
         named.append(("reserve", "", ""))
     shares = [(entry, steps.share) for entry in named]
@@ -219,42 +154,63 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     )
 
 
-def limit_names(cell: Cell) -> Iterator[Changed]:
-    """Kind, robot and element of every limit that bounds something."""
-    for robot in cell.robots:
-        yield from _bounded("torque", robot.name, robot.joints, robot.torque_lower, robot.torque_upper)
-    for robot in cell.robots:
-        yield from _bounded("wrench", robot.name, cell.wrench_components, robot.wrench_lower, robot.wrench_upper)
-    yield from (("contact", robot.name, contact.name) for robot in cell.robots for contact in robot.contacts)
-    yield from (("contact", "object", thing.name or "") for thing in cell.carried)
-    for kind in OF_POINT:
-        if kind == "velocity" and not cell.enforces_velocity_limits:
-            continue
-        for robot in cell.robots:
-            sides = [getattr(robot, name) for name in SIDES[kind]]
-            lower, upper = sides if len(sides) > 1 else (-sides[0], sides[0])
-            yield from _bounded(kind, robot.name, robot.joints, lower, upper)
-            yield from _points(kind, robot.name, robot.point_limits)
-        limit = getattr(cell, f"object_{kind}_limit")
-        yield from _bounded(kind, "object", _OF_OBJECT, -limit, limit)
-        yield from _points(kind, "object", cell.object_points)
-    for robot in cell.robots:
-        curves = zip(robot.joints, robot.motors.torque_speed, strict=True)
-        yield from (("motor speed", robot.name, joint) for joint, curve in curves if curve is not None)
+def limit_places(cell: Cell) -> dict[Changed, list[Keys]]:
+    """Where the numbers of every limit that bounds something stand among the attributes of a cell, by what it is.
+
+    They are written one after the other as the limit grows, and backwards as it shrinks: a torque limit lies within the
+    motor's curve all the while.
+    """
+    found, arms = dict[Changed, list[Keys]](), [(("robots", at), robot) for at, robot in enumerate(cell.robots)]
+    for kind in ("torque", "wrench"):
+        for place, robot in arms:
+            elements = robot.joints if kind == "torque" else cell.wrench_components
+            found |= _bounded(kind, robot.name, elements, robot, place, f"{kind}_lower", f"{kind}_upper")
+    for place, robot in arms:
+        for at, contact in enumerate(robot.contacts):
+            free, where = contact.lower < contact.upper, (*place, "contacts", at)
+            found["contact", robot.name, contact.name] = [(*where, "lower", free), (*where, "upper", free)]
+    for at, thing in enumerate(cell.carried):
+        numbers: list[Keys] = [("friction",)] if thing.friction is not None else []
+        numbers += [("half_width", side) for side in range(len(thing.half_width or ()))]
+        found["contact", "object", thing.name or ""] = [("carried", at, *keys) for keys in numbers]
+    if cell.enforces_velocity_limits:
+        found |= _motion_limits(cell, arms, "velocity", "speed", "velocity_limit")
+    found |= _motion_limits(cell, arms, "acceleration", "acceleration", "acceleration_lower", "acceleration_upper")
+    for place, robot in arms:
+        for at, (joint, curve) in enumerate(zip(robot.joints, robot.motors.torque_speed, strict=True)):
+            if curve is not None:  # of another motor it changes with the torque limit
+                where = (*place, "motors", "torque_speed", at)
+                found["torque", robot.name, joint].insert(0, (*where, np.s_[:, 1]))
+                found["motor speed", robot.name, joint] = [(*where, np.s_[:, 0])]
+    return found
 
 
-def _points(kind: ChangeKind, owner: str, points: Sequence[PointLimit]) -> Iterator[Changed]:
-    limited = (point for point in points if getattr(point, OF_POINT[kind]) is not None)
-    yield from ((kind, owner, point.name or "") for point in limited)
+def _motion_limits(
+    cell: Cell, arms: Sequence[tuple[Keys, Robot]], kind: ChangeKind, of_point: str, *sides: str
+) -> dict[Changed, list[Keys]]:
+    found: dict[Changed, list[Keys]] = {}
+    for place, robot in arms:
+        found |= _bounded(kind, robot.name, robot.joints, robot, place, *sides)
+        found |= _points(kind, robot.name, robot.point_limits, (*place, "point_limits"), of_point)
+    found |= _bounded(kind, "object", ("linear", "angular"), cell, (), f"object_{kind}_limit")
+    return found | _points(kind, "object", cell.object_points, ("object_points",), of_point)
 
 
-def _bounded(kind: ChangeKind, robot: str, elements: Sequence[str], lower: Array, upper: Array) -> Iterator[Changed]:
-    """Elements with a limit on some side, unless they are held at one number."""
-    is_limit = (lower < upper) & (np.isfinite(lower) | np.isfinite(upper))
-    yield from ((kind, robot, element) for element, limited in zip(elements, is_limit.tolist(), strict=True) if limited)
+def _points(
+    kind: ChangeKind, owner: str, points: Sequence[PointLimit], place: Keys, key: str
+) -> dict[Changed, list[Keys]]:
+    limited = ((at, point) for at, point in enumerate(points) if getattr(point, key) is not None)
+    return {(kind, owner, point.name or ""): [(*place, at, key)] for at, point in limited}
 
 
-_OF_OBJECT = ("linear", "angular")
+def _bounded(
+    kind: ChangeKind, name: str, elements: Sequence[str], owner: Robot | Cell, place: Keys, *sides: str
+) -> dict[Changed, list[Keys]]:
+    """Elements with a limit on some side, unless they are held at one number; a single side holds both ways."""
+    upper = getattr(owner, sides[-1])
+    lower = getattr(owner, sides[0]) if len(sides) > 1 else -upper
+    limited = np.flatnonzero((lower < upper) & (np.isfinite(lower) | np.isfinite(upper))).tolist()
+    return {(kind, name, elements[at]): [(*place, side, at) for side in sides] for at in limited}
 
 
 def _axes(cell: Cell) -> tuple[list[str], list[str]]:
@@ -262,11 +218,22 @@ def _axes(cell: Cell) -> tuple[list[str], list[str]]:
     return forces, moments
 
 
-def _outward(owner: Robot | Contact, name: str, step: Array) -> Array:
-    """A side of a limit moved outward by a share of its own size, Shape (r,); one that bounds nothing stays."""
-    side: Array = getattr(owner, name)
-    moved = step * np.where(np.isfinite(side), np.abs(side), 0.0)
-    return side - moved if name.endswith("lower") else side + moved
+def _outward(owner: Any, keys: Sequence[Any], step: float) -> Any:
+    """A value with the numbers at a place inside moved outward by a share of their size; infinite ones stay."""
+    key, *inner = keys
+    named = isinstance(key, str)
+    value = getattr(owner, key) if named else owner[key]
+    if inner:
+        changed = _outward(value, inner, -step if named and key.endswith("lower") else step)
+    else:
+        changed = np.add(value, step * np.where(np.isfinite(value), np.abs(value), 0.0)).tolist()
+    if isinstance(owner, np.ndarray):
+        moved = owner.copy()
+        moved[key] = changed
+        return moved
+    if isinstance(owner, list | tuple):
+        return type(owner)((*owner[:key], changed, *owner[key + 1 :]))
+    return owner.model_copy(update={key: changed}) if isinstance(owner, Record) else replace(owner, **{key: changed})
 
 
 def with_machine_at(cell: Cell, name: str, base: RigidTransform) -> Cell:

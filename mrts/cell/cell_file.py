@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
-from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positive, Vector3
+from mrts.base.formats.pose import Angle, Finite, Name, Pose, Positive, Vector3
 from mrts.base.formats.record import Record, Rule, checked_fields
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import range_problem
@@ -200,7 +200,7 @@ class RobotDescription(Record):
     base_link: str | None = None
     tip_link: str
     base: Pose = Pose()
-    grasp: GraspPose = GraspPose()
+    grasp: Pose = Pose()
     posture: Annotated[list[Angle], Rule(min_length=1)]
     torque: Annotated[list[Positive], Rule(min_length=1)] | Bounds | None = None
     joint_limits: Annotated[str, Rule(min_length=1)] | None = None

@@ -23,45 +23,33 @@ NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it 
 NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "speed", "acceleration", "friction", "height", *RATINGS})
 """Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
 
-BY_KEY = {
-    "xyz": "m",
-    "rpy": "rad",
-    "look_at": "m",
-    "turn": "rad",
-    "duration": "s",
-    "gravity": "m/s²",
-    "inertia": "kg m²",
-    "linear": "m/s",
-    "angular": "rad/s",
-    "mass": "kg",
-    "half_width": "m",
-    "power": "W",
-    "height": "m",
-    "point": "m",
-    "at": "m",
-    "speed": "m/s",
-    "radius": "m",
-    "length": "m",
-    "box": "m",
-    "force": "N",
-    "holding_force": "N",
+BY_UNIT = {
+    "m": ("xyz", "half_width", "height", "point", "at", "radius", "length", "box"),
+    "rad": ("rpy",),
+    "s": ("duration",),
+    "m/s": ("linear", "speed"),
+    "rad/s": ("angular",),
+    "m/s²": ("gravity",),
+    "kg": ("mass",),
+    "kg m²": ("inertia",),
+    "N": ("force", "holding_force"),
+    "W": ("power",),
 }
+BY_KEY = {key: unit for unit, keys in BY_UNIT.items() for key in keys}
 
-OF_JOINT = {
-    "posture": ("rad", "m"),
-    "torque": ("N m", "N"),
-    "velocity": ("rad/s", "m/s"),
-    "acceleration": ("rad/s²", "m/s²"),
-    "armature": ("kg m²", "kg"),
-    "coulomb": ("N m", "N"),
-    "viscous": ("N m s/rad", "N s/m"),
-    "torque_rate": ("N m/s", "N/s"),
-    "jerk": ("rad/s³", "m/s³"),
-    "rated": ("N m", "N"),
-    "power": ("W", "W"),
+BY_UNITS_OF_JOINT = {
+    ("rad", "m"): ("posture",),
+    ("rad/s", "m/s"): ("velocity",),
+    ("rad/s²", "m/s²"): ("acceleration",),
+    ("rad/s³", "m/s³"): ("jerk",),
+    ("N m", "N"): ("torque", "coulomb", "rated"),
+    ("N m/s", "N/s"): ("torque_rate",),
+    ("N m s/rad", "N s/m"): ("viscous",),
+    ("kg m²", "kg"): ("armature",),
+    ("W", "W"): ("power",),
 }
+OF_JOINT = {key: units for units, keys in BY_UNITS_OF_JOINT.items() for key in keys}
 """Units of what a joint has: of a revolute one, and of a prismatic one."""
-
 
 OF_CURVE = ("rad/s", "N m"), ("m/s", "N")
 

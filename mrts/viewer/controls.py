@@ -12,7 +12,7 @@ import viser
 
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.cell_change import Changed, limit_names
+from mrts.cell.cell_change import Changed, limit_places
 from mrts.viewer.choices import Choices, Place, changed_keys, free_axes, moved_by, offset_of, places
 from mrts.viewer.panel import keys_html
 from mrts.viewer.scene import ViewerScene
@@ -149,7 +149,7 @@ class ChangeControls:
         gui = self._gui
         groups: dict[str, list[Changed]] = {}
         single: dict[str, list[Changed]] = {}
-        for name in limit_names(self._given.cell):
+        for name in limit_places(self._given.cell):
             kind, robot, element = name
             if words := {"torque": "torques", "wrench": "wrenches", "contact": "contacts"}.get(kind):
                 groups.setdefault(f"{robot}: all {words}", []).append(name)

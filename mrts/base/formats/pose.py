@@ -2,7 +2,7 @@
 """Kinds of values that formats share, and the pose."""
 
 from math import hypot, pi, radians
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -10,14 +10,7 @@ from mrts.base.arrays import Array
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME, SMALLEST_NUMBER
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import (
-    RigidTransform,
-    multiply,
-    rotation_from_rpy,
-    rotations_from_quaternions,
-    rotations_from_vectors,
-    snap_rotation,
-)
+from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rotations_from_quaternions, snap_rotation
 
 Name = Annotated[str, Rule(pattern=IDENTIFIER, max_length=LONGEST_NAME)]
 """Of a cell or a robot: it stands in C text and in paths."""
@@ -37,12 +30,6 @@ ROTATIONS = ("rpy", "quaternion_wxyz", "quaternion_xyzw")
 
 FEW_DIGITS = 1e-3
 """Largest difference of a unit quaternion's length from 1: printed with few digits."""
-
-NO_DISTANCE = 1e-9
-"""Points closer than this are one: no direction leads from one to the other [m]."""
-
-OPPOSITE = 1e-12
-"""Sine of the angle between two directions that is as good as π: the turn's axis is rounding then."""
 
 WHOLE_TURN = 2 * pi
 """An angle beyond it [rad] is rather meant in degrees."""
@@ -71,8 +58,6 @@ class Pose(Record):
     @property
     def transform(self) -> RigidTransform:
         """The frame."""
-        if self.rpy is not None:
-            return RigidTransform.from_xyz_rpy(self.xyz, self.rpy)
         return RigidTransform(self.rotation(), np.array(self.xyz, dtype=np.float64))
 
     def rotation(self) -> Array:
@@ -110,58 +95,3 @@ class Pose(Record):
         if self.quaternion_wxyz is not None:
             return [*self.quaternion_wxyz[1:], self.quaternion_wxyz[0]]
         return self.quaternion_xyzw
-
-
-class GraspPose(Pose):
-    """Where a tip is in the object frame, and how it is turned; also as a tip that looks at a point.
-
-    Attributes:
-        look_at: Point in the object frame at which an axis of the tip points, Shape (3,) [m].
-        axis: That axis of the tip; None is its z axis.
-        turn: The remaining turn about that axis, from the smallest rotation of the object's axes that makes it point
-            there (where it points the other way: half a turn, about z for x and y, about x for z); None is 0 [rad].
-    """
-
-    look_at: Vector3 | None = None
-    axis: Literal["x", "y", "z", "-x", "-y", "-z"] | None = None
-    turn: Angle | None = None
-
-    @property
-    def rotation_key(self) -> str:
-        """The key that gives its rotation."""
-        return super().rotation_key if self.look_at is None else "look_at"
-
-    def rotation(self) -> Array:
-        """Of the tip in the object frame, Shape (3, 3)."""
-        if self.look_at is None:
-            return super().rotation()
-        direction = np.subtract(self.look_at, self.xyz)
-        direction = direction / np.linalg.norm(direction)
-        axis = self.axis or "z"
-        own = np.eye(3)["xyz".index(axis[-1])] * (-1.0 if axis.startswith("-") else 1.0)
-        about = rotations_from_vectors((self.turn or 0.0) * direction)
-        return snap_rotation(multiply(about, _smallest_turn(own, direction)))
-
-    def problem(self) -> str:
-        """The rule that its keys break with each other; empty if none."""
-        if self.look_at is None:
-            beside = [key for key in ("axis", "turn") if getattr(self, key) is not None]
-            return f"'{beside[0]}' goes with 'look_at' only" if beside else super().problem()
-        given = [key for key in ROTATIONS if getattr(self, key) is not None]
-        if given:
-            return f"a rotation is given once, here by look_at and {given[0]}"
-        if hypot(*np.subtract(self.look_at, self.xyz).tolist()) <= NO_DISTANCE:
-            return "'look_at' is the tip's own place, 'xyz': it points nowhere"
-        return ""
-
-
-def _smallest_turn(start: Array, end: Array) -> Array:
-    """The rotation about the common normal of two unit vectors that takes the first to the second, Shape (3, 3)."""
-    cosine, normal = float(start @ end), np.cross(start, end)
-    square = float(normal @ normal)
-    if cosine < 0 and square <= OPPOSITE**2:
-        about = np.eye(3)[0 if abs(start[2]) > 0 else 2]
-        return 2 * np.outer(about, about) - np.eye(3)
-    across = np.array([[0, -normal[2], normal[1]], [normal[2], 0, -normal[0]], [-normal[1], normal[0], 0]])
-    factor = 1 / (1 + cosine) if cosine > 0 else (1 - cosine) / square  # the same; neither loses digits
-    return np.asarray(np.eye(3) + across + multiply(across, across) * factor)
