@@ -4,7 +4,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
 from operator import attrgetter
 from os import PathLike
 from pathlib import Path
@@ -16,14 +15,14 @@ import numpy as np
 from mrts.base.argument_types import as_path, check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.record import MadeAgain, Rule
+from mrts.base.formats.record import MadeAgain, Rule, dumped
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import RigidTransform, base_leaves, grasp_leaves, in_one_place
+from mrts.base.rigid_transform import base_leaves, grasp_leaves, in_one_place
 from mrts.cell.functions import CellFunctions, compiled_functions
 from mrts.cell.generation import (
     described_in_cache,
@@ -41,9 +40,6 @@ OF_CELL = ("name", "plane", "wrench_components", "machines")
 
 OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
 """Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
-
-SAME_NUMBER = 1e-12
-"""Largest difference of what is the same number after rounding [m, rad, m/s²]."""
 
 IN_CHAINS = (
     "is part of the generated functions, so changing it in Python would be ignored there. Change the cell file (name, "
@@ -362,7 +358,7 @@ def _check_generated(cell: Cell) -> None:
         where = f"robot '{robot.name}'"
         pairs += [(f"{where} {name}", getattr(robot, name), getattr(generated, name)) for name in OF_CHAINS]
     for key, one, other in pairs:
-        if not _same(one, other):
+        if one is not other and dumped(one) != dumped(other):
             raise InputError("cell", IN_CHAINS, key=key)
 
 
@@ -383,27 +379,16 @@ def _check_placement(cell: Cell) -> None:
 
 
 def _check_machines(cell: Cell) -> None:
-    """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
-    arms = zip(cell.robots, cell.functions.manifest.robots, strict=True)
-    for (one, one_made), (other, other_made) in combinations(arms, 2):
-        first, second = one_made.source, other_made.source
-        if first.sha256 != second.sha256:
-            continue
-        names = f"robots '{one.name}' and '{other.name}'"
-        if (one.name, other.name) in cell.machines:
-            kept = one_made.T_world_base.inverse() @ other_made.T_world_base
-            if not in_one_place(one.T_world_base.inverse() @ other.T_world_base, kept):
-                raise InputError(
-                    "cell",
-                    f"{names} are arms of one machine (one URDF in one place): their bases move together. Give both in "
-                    "one step: mrts.Cell.from_description, or dataclasses.replace(cell, robots=…).",
-                    key="base",
-                )
-        elif in_one_place(one.T_world_base @ first.T_base_root, other.T_world_base @ second.T_base_root):
+    """Check that arms of one machine stay where they are on it."""
+    now, made = (
+        {robot.name: robot.T_world_base for robot in robots} for robots in (cell.robots, cell.functions.manifest.robots)
+    )
+    for one, other in cell.machines:
+        if not in_one_place(now[one].inverse() @ now[other], made[one].inverse() @ made[other]):
             raise InputError(
                 "cell",
-                f"{names} would stand in one place, which makes them arms of one machine (they have one URDF). Move "
-                "one of them, or say so in a cell file, which is checked against the URDF.",
+                f"robots '{one}' and '{other}' are arms of one machine (one URDF in one place): their bases move "
+                "together. Give both in one step: mrts.Cell.from_description, or dataclasses.replace(cell, robots=…).",
                 key="base",
             )
 
@@ -412,11 +397,3 @@ def _changed(cell: Cell) -> Iterator[tuple[Robot, Robot]]:
     """Robots that are others than those generated, with these."""
     pairs = zip(cell.robots, cell.functions.manifest.robots, strict=False)
     return ((robot, generated) for robot, generated in pairs if robot is not generated)
-
-
-def _same(ours: object, theirs: object) -> bool:
-    if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):
-        ours, theirs = ours.numbers, theirs.numbers
-    if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray):
-        return theirs.shape == ours.shape and bool(np.all(np.abs(ours - theirs) <= SAME_NUMBER))
-    return ours == theirs

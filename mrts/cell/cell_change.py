@@ -179,9 +179,9 @@ def limit_places(cell: Cell) -> dict[Changed, list[Keys]]:
     for place, robot in arms:
         for at, (joint, curve) in enumerate(zip(robot.joints, robot.motors.torque_speed, strict=True)):
             if curve is not None:  # of another motor it changes with the torque limit
-                where = (*place, "motors", "torque_speed", at)
-                found["torque", robot.name, joint].insert(0, (*where, np.s_[:, 1]))
-                found["motor speed", robot.name, joint] = [(*where, np.s_[:, 0])]
+                corners = (*place, "motors", "torque_speed", at)
+                found["torque", robot.name, joint].insert(0, (*corners, np.s_[:, 1]))
+                found["motor speed", robot.name, joint] = [(*corners, np.s_[:, 0])]
     return found
 
 

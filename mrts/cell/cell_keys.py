@@ -2,7 +2,7 @@
 """A cell as the keys of a cell file: told, changed at paths, and written."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -269,29 +269,27 @@ def manifest_of(cell: Cell) -> CellManifest:
 
 
 def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
-    """Refuse what a cell file cannot hold: what it reads back to is another cell."""
-    different = _difference(dumped(ours.record() | {"remarks": ()}), dumped(read.record() | {"remarks": ()}))
-    if different is None:
+    """Refuse what a cell file cannot hold: what it reads back to is another cell, but for rounding of rotations."""
+    numbers, found = (dict(_leaves(dumped(cell.record() | {"remarks": ()}))) for cell in (ours, read))
+    for key in dict.fromkeys([*numbers, *found]):
+        value: Any = numbers.get(key)
+        other: Any = found.get(key)
+        if value == other or (".R[" in key and abs(value - other) <= SAME_ROTATION):
+            continue
+        if key.endswith("sha256"):
+            raise InputError(where, "this file is another one than the cell was made from.", key=key)
+        rule = (
+            f"a cell file cannot hold this value, it would be read as {json.dumps(other)}: it is another one's to say "
+            "(the URDF's), or one value for several."
+        )
+        raise InputError(where, rule, key=key, value=value)
+
+
+def _leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """Numbers and texts of JSON by their paths, but for those that say where a file is."""
+    if not isinstance(value, dict | list):
+        yield key, value
         return
-    key, value, found = different
-    if key.endswith("sha256"):
-        raise InputError(where, "this file is another one than the cell was made from.", key=key)
-    rule = (
-        f"a cell file cannot hold this value, it would be read as {json.dumps(found)}: it is another one's to say (the "
-        "URDF's), or one value for several."
-    )
-    raise InputError(where, rule, key=key, value=value)
-
-
-def _difference(ours: Any, theirs: Any, key: str = "") -> tuple[str, Any, Any] | None:
-    """The first number, text or length in which two values of JSON differ; rotations come back to rounding."""
-    if isinstance(ours, dict) and isinstance(theirs, dict) and ours.keys() == theirs.keys():
-        named = [name for name in ours if name not in FILES]
-        pairs = [(f"{key}.{name}".lstrip("."), ours[name], theirs[name]) for name in named]
-    elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
-        pairs = [(f"{key}[{place}]", *both) for place, both in enumerate(zip(ours, theirs, strict=True))]
-    else:
-        same = ours == theirs or (".R[" in key and abs(ours - theirs) <= SAME_ROTATION)
-        return None if same else (key, ours, theirs)
-    found = (_difference(one, other, inside) for inside, one, other in pairs)
-    return next((different for different in found if different is not None), None)
+    for name, inside in value.items() if isinstance(value, dict) else enumerate(value):
+        if name not in FILES:
+            yield from _leaves(inside, f"{key}[{name}]" if isinstance(value, list) else joined(key, str(name)))

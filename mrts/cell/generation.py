@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
@@ -214,29 +214,18 @@ def is_generated(path: Path) -> bool:
     return is_folder(path) or path.name == MANIFEST_NAME
 
 
-class UrdfReading(NamedTuple):
-    """What is in a URDF, and all that is wrong with it.
-
-    Attributes:
-        path: Of the file.
-        urdf: Its links and joints; None if they are none.
-        mistakes: All that breaks a rule.
-        remarks: What is let pass.
-    """
-
-    path: Path
-    urdf: Urdf | None
-    mistakes: tuple[InputError, ...]
-    remarks: tuple[Remark, ...] = ()
-
-
 def urdf_of(robot: Robot, folder: Path) -> Path:
     """The URDF of an arm of a cell whose files are relative to a folder."""
     return FileReference(robot.source.urdf).path(folder / CELL_FILE, folder)
 
 
-def read_urdf(where: Path, folder: Path, urdf: str) -> UrdfReading:
+def read_urdf(
+    where: Path, folder: Path, urdf: str
+) -> tuple[Path, Urdf | None, tuple[InputError, ...], tuple[Remark, ...]]:
     """A URDF with all that is wrong with it.
+
+    Returns:
+        Its path; its links and joints, None if they are none; all that breaks a rule; what is let pass.
 
     Raises:
         InputError: If it names a package that is nowhere.
@@ -250,11 +239,11 @@ def read_urdf(where: Path, folder: Path, urdf: str) -> UrdfReading:
         content = reference.content(where, folder)
         mistakes, remarks = urdf_mistakes(path, *parse_parts(path, content))
     except InputError as error:
-        return UrdfReading(path, None, error.each())
+        return path, None, error.each(), ()
     try:
-        return UrdfReading(path, parse_urdf(path, content), mistakes, remarks)
+        return path, parse_urdf(path, content), mistakes, remarks
     except InputError as error:
-        return UrdfReading(path, None, (*error.each(), *mistakes), remarks)
+        return path, None, (*error.each(), *mistakes), remarks
 
 
 def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:

@@ -14,7 +14,6 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.formats.record import MadeAgain, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 from mrts.base.manifest import MOST
-from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.base.words import interval_text
 from mrts.cell.hands import Contact
@@ -64,7 +63,7 @@ class RobotSource:
 
 
 @dataclass(frozen=True, repr=False)
-class Robot(InNotebooks, MadeAgain):
+class Robot(MadeAgain):
     """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
 
     Attributes:
@@ -166,10 +165,6 @@ class Robot(InNotebooks, MadeAgain):
 
     def __repr__(self) -> str:
         return f"<Robot '{self.name}': {', '.join(self.joints)}>"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Joints with their limits."""
-        yield NotebookTable(("joint", *JOINT_HEAD), list(self.joint_rows()))
 
     def joint_rows(self) -> Iterator[tuple[str, ...]]:
         """Name, kind, limits of torque and position, and largest velocity of each joint, in words."""

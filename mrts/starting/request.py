@@ -225,10 +225,10 @@ def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
 
 
 def _read(robot: str) -> tuple[Path, Urdf]:
-    found = read_urdf(Path(ROBOT), Path.cwd(), robot)
-    if found.urdf is None:
-        raise found.mistakes[0].with_others(found.mistakes[1:])
-    return found.path, found.urdf
+    path, urdf, mistakes, _ = read_urdf(Path(ROBOT), Path.cwd(), robot)
+    if urdf is None:
+        raise mistakes[0].with_others(mistakes[1:])
+    return path, urdf
 
 
 def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:

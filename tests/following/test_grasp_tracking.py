@@ -122,7 +122,7 @@ NEARLY = {6: 0.999, 7: 0.9}
 def test_no_joint_positions_reach_further_and_some_nearly_as_far(name):
     urdf, tip = CASES[name]
     path = urdf_path(urdf)
-    arm = Arm(*arm_of_urdf(path, read_urdf(path, path.parent, str(path)).urdf, None, tip), path)
+    arm = Arm(*arm_of_urdf(path, read_urdf(path, path.parent, str(path))[1], None, tip), path)
     shoulder, wrist, longest = arm_reach(arm.robot)
     state = arm.at(np.random.default_rng(4).uniform(-np.pi, np.pi, (DRAWN, arm.com.shape[0])))
     distance = np.linalg.norm(state.p + state.R @ wrist - shoulder, axis=1)

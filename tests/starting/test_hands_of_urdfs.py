@@ -33,7 +33,7 @@ FOUND = {
 
 
 def tree_of(path):
-    return read_urdf(Path("here"), Path("/"), str(path)).urdf
+    return read_urdf(Path("here"), Path("/"), str(path))[1]
 
 
 def arm_of(path, tip):
