@@ -37,7 +37,7 @@ from mrts.cell.cell_file import (
     robot_values,
 )
 from mrts.cell.points import ArmPointLimit, ObjectRates, point_names
-from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
+from mrts.cell.record import NOTICE, CellManifest, CellRecord, MeshSurface
 from mrts.cell.robot import Robot, RobotSource
 
 
@@ -142,13 +142,13 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
             key, lenient = f"robots[{index}] ({robot.name})", description.inertia == "lenient"
             built.append(build_robot(path, key, robot, description.plane, folder, lenient=lenient))
     with mistakes.noted():
-        inertia, shape, of_object = _build_object(path, folder, carried)
+        surfaces, inertia, of_object = _build_object(path, folder, carried)
     with mistakes.noted():
-        surroundings = build_surroundings(
+        surroundings, around = build_surroundings(
             path, folder, description.surroundings, [robot.name for robot in description.robots]
         )
     mistakes.raise_noted()
-    remarks = [*of_object, *check_contact_normals(path, description.robots, shape)]
+    remarks = [*of_object, *check_contact_normals(path, description.robots, carried.shape, surfaces)]
     remarks += [remark for arm in built for remark in (*arm.model.remarks, *arm.remarks)]
     ranges: dict[str, Any] = dict(carried.variation or {})
     outer_hull = ranges.pop("hull", None) is not None
@@ -164,8 +164,9 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         object_acceleration_limit=carried.acceleration.limits,
         object_points=_named(path, "object.frames", carried.frames, "point"),
         carried=_named(path, "object.carries", carried.carries, "thing"),
-        object_shape=shape,
+        object_shape=carried.shape,
         surroundings=surroundings,
+        surfaces=surfaces | around,
         robots=tuple(arm.robot for arm in built),
         machines=check_machines(path, built),
         remarks=tuple(dict.fromkeys(remarks)),
@@ -192,16 +193,16 @@ def _components(plane: str | None) -> tuple[str, ...]:
 
 def _build_object(
     path: Path, folder: Path, carried: ObjectDescription
-) -> tuple[Array, ShapeRecord | None, tuple[Remark, ...]]:
+) -> tuple[dict[str, MeshSurface], Array, tuple[Remark, ...]]:
     given = carried.inertia_matrix()
     if carried.shape is None:
         assert given is not None  # noqa: S101 (an object has one or the other)
-        return given, None, ()
-    shape, inertia, remarks = build_shape(path, folder, carried.shape, carried.mass, given)
+        return {}, given, ()
+    surfaces, inertia, remarks = build_shape(path, folder, carried.shape, carried.mass, given)
     problem = inertia_problem(inertia)
     if problem:
         raise InputError(path, f"the inertia of a uniform body of this shape {problem}", key="object.shape")
-    return inertia, shape, remarks
+    return surfaces, inertia, remarks
 
 
 def build_robot(

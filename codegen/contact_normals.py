@@ -4,18 +4,18 @@
 A gripper's axis has no sign: what its two pads admit is the same both ways.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.remark import Remark
 from mrts.cell.cell_file import RobotDescription
-from mrts.cell.record import ShapeRecord
+from mrts.cell.record import BodyShape, MeshSurface, mesh_surface
 
 NEAR = 0.05
 """Share of the object's longest side within which a contact is at a face: palms have a thickness, shapes are rough."""
@@ -35,7 +35,9 @@ Faces = tuple[Array, Array, float]
 longest side of the shape [m]."""
 
 
-def check_contact_normals(path: Path, robots: Sequence[RobotDescription], shape: ShapeRecord | None) -> list[Remark]:
+def check_contact_normals(
+    path: Path, robots: Sequence[RobotDescription], shape: BodyShape | None, surfaces: Mapping[str, MeshSurface]
+) -> list[Remark]:
     """Check that pads and suction cups press into the object, unless they say `pull: true`.
 
     Returns:
@@ -51,7 +53,7 @@ def check_contact_normals(path: Path, robots: Sequence[RobotDescription], shape:
             key = f"robots[{index}] ({robot.name}).contact[{place}].{kind}.normal"
             given = np.asarray(hand["normal"])
             direction = T.R @ (given / np.linalg.norm(given))
-            outward = [] if shape is None else list(_faces_at(shape, T.p))
+            outward = [] if shape is None else list(_faces_at(shape, surfaces, T.p))
             slopes = [float(direction @ normal) for normal in outward]
             with mistakes.noted():
                 if slopes and max(slopes) >= OUTWARD and min(slopes) > -OUTWARD:
@@ -73,11 +75,11 @@ def check_contact_normals(path: Path, robots: Sequence[RobotDescription], shape:
     return remarks
 
 
-def _faces_at(shape: ShapeRecord, point: Array) -> Iterator[Array]:
+def _faces_at(shape: BodyShape, surfaces: Mapping[str, MeshSurface], point: Array) -> Iterator[Array]:
     """Outward normals, object axes, of the faces that a point of the object frame is at."""
-    T = shape.pose
+    T = shape.pose.transform
     local = T.R.T @ (point - T.p)
-    faces = _mesh_faces(shape, local) if shape.mesh is not None else _plain_faces(shape, local)
+    faces = _mesh_faces(mesh_surface(shape, surfaces), local) if shape.mesh is not None else _plain_faces(shape, local)
     if faces is None:
         return
     distance, outward, size = faces
@@ -85,7 +87,7 @@ def _faces_at(shape: ShapeRecord, point: Array) -> Iterator[Array]:
         yield from outward[distance <= NEAREST * np.min(distance) + ON_FACE * size] @ T.R.T
 
 
-def _plain_faces(shape: ShapeRecord, point: Array) -> Faces:
+def _plain_faces(shape: BodyShape, point: Array) -> Faces:
     """Of a box or a cylinder; of a cylinder's round face its nearest and its farthest side."""
     if shape.box is not None:
         half = np.array(shape.box) / 2
@@ -104,12 +106,11 @@ def _plain_faces(shape: ShapeRecord, point: Array) -> Faces:
     return np.linalg.norm(point - nearest, axis=1), outward, float(2 * np.max(half))
 
 
-def _mesh_faces(shape: ShapeRecord, point: Array) -> Faces | None:
+def _mesh_faces(drawn: tuple[Array, NDArray[np.int64]], point: Array) -> Faces | None:
     """Of the mesh as it is drawn; None where it is not closed, so that nothing says which side is out."""
     import trimesh  # noqa: PLC0415 (half a second, for cells that have a mesh)
 
-    assert shape.mesh is not None  # noqa: S101 (the caller has seen it)
-    surface: Any = trimesh.Trimesh(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles))
+    surface: Any = trimesh.Trimesh(*drawn)
     if not surface.is_watertight or not surface.is_winding_consistent or surface.volume == 0:
         return None
     corners = np.asarray(surface.triangles)

@@ -6,7 +6,7 @@ from textwrap import wrap
 import casadi as ca
 
 from mrts.base.errors import InputError
-from mrts.base.manifest import ArgumentRecord, FunctionRecord
+from mrts.base.manifest import FunctionRecord
 
 OPERATIONS: dict[int, str] = {
     ca.OP_ASSIGN: "{0}",
@@ -57,15 +57,11 @@ def model_c(functions: dict[str, ca.Function]) -> str:
 
 def function_record(name: str, function: ca.Function) -> FunctionRecord:
     """What the manifest tells of a function of that name."""
-
-    def argument(short: str, shape: tuple[int, int]) -> ArgumentRecord:
-        return ArgumentRecord(name=short, shape=shape)
-
     return FunctionRecord(
         symbol=name,
         instructions=function.n_instructions(),
-        inputs=[argument(function.name_in(i), function.size_in(i)) for i in range(function.n_in())],
-        outputs=[argument(function.name_out(i), function.size_out(i)) for i in range(function.n_out())],
+        inputs={function.name_in(i): function.size_in(i) for i in range(function.n_in())},
+        outputs={function.name_out(i): function.size_out(i) for i in range(function.n_out())},
     )
 
 

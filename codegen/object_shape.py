@@ -16,9 +16,8 @@ from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, packed_s
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
-from mrts.cell.cell_file import ObstacleDescription, ShapeDescription
 from mrts.cell.points import point_names
-from mrts.cell.record import MeshRecord, ObstacleRecord, ShapeRecord
+from mrts.cell.record import BodyShape, MeshSurface, Obstacle
 
 FORMATS = ("stl", "obj", "ply", "off")
 """Endings of mesh files; those whose files may name others (dae, gltf) are left out: a mesh is one file."""
@@ -35,52 +34,46 @@ LARGE = 5.0
 
 
 def build_surroundings(
-    path: Path, folder: Path, given: list[ObstacleDescription], robots: Sequence[str]
-) -> tuple[ObstacleRecord, ...]:
-    """The bodies of the surroundings."""
-    names, found = point_names(given, "obstacle"), list[ObstacleRecord]()
+    path: Path, folder: Path, given: list[Obstacle], robots: Sequence[str]
+) -> tuple[tuple[Obstacle, ...], dict[str, MeshSurface]]:
+    """The bodies of the surroundings, and what is drawn of their meshes, by file."""
+    names, surfaces = point_names(given, "obstacle"), dict[str, MeshSurface]()
     if len({*names, *robots, "object"}) <= len(names) + len(robots):
         rule = "must have names of their own, none of them 'object' or a robot's."
         raise InputError(path, rule, key="surroundings", value=names)
-    for at, (shape, name) in enumerate(zip(given, names, strict=True)):
-        record, _ = _shape_record(path, folder, shape, f"surroundings[{at}]")
-        found.append(ObstacleRecord(**dict(record), name=name))
-    return tuple(found)
+    for at, shape in enumerate(given):
+        surfaces |= _surfaces(path, folder, shape, f"surroundings[{at}]")[0]
+    return tuple(one.model_copy(update={"name": name}) for one, name in zip(given, names, strict=True)), surfaces
 
 
-def _shape_record(path: Path, folder: Path, shape: ShapeDescription, key: str) -> tuple[ShapeRecord, Any]:
-    """A shape, and the surface of its mesh as trimesh has it [m], None of others."""
-    mesh, surface = None, None
-    if shape.mesh is not None:
-        reference, scale = FileReference(shape.mesh, f"{key}.mesh", "mesh"), shape.scale or 1.0
-        content = reference.content(path, folder)
-        surface = _read_mesh(reference.path(path, folder), content, scale)
-        vertices, triangles = packed_surface(*coarser_surface(surface.vertices, surface.faces, MOST_DRAWN))
-        sha256 = hashlib.sha256(content).hexdigest()
-        mesh = MeshRecord(file=shape.mesh, scale=scale, sha256=sha256, vertices=vertices, triangles=triangles)
-    return ShapeRecord(box=shape.box, cylinder=shape.cylinder, mesh=mesh, pose=shape.pose.transform), surface
+def _surfaces(path: Path, folder: Path, shape: BodyShape, key: str) -> tuple[dict[str, MeshSurface], Any]:
+    """What is drawn of the mesh of a shape, by its file, and its surface as trimesh has it [m]; None of others."""
+    if shape.mesh is None:
+        return {}, None
+    reference, scale = FileReference(shape.mesh, f"{key}.mesh", "mesh"), shape.scale or 1.0
+    content = reference.content(path, folder)
+    surface = _read_mesh(reference.path(path, folder), content, scale)
+    vertices, triangles = packed_surface(*coarser_surface(surface.vertices / scale, surface.faces, MOST_DRAWN))
+    sha256 = hashlib.sha256(content).hexdigest()
+    return {shape.mesh: MeshSurface(sha256=sha256, vertices=vertices, triangles=triangles)}, surface
 
 
 def build_shape(
-    path: Path, folder: Path, shape: ShapeDescription, mass: float, inertia: Array | None
-) -> tuple[ShapeRecord, Array, tuple[Remark, ...]]:
-    """The shape of an object, and the inertia that it gives it.
-
-    Returns:
-        The shape, the inertia, and what to know.
-    """
-    record, surface = _shape_record(path, folder, shape, "object.shape")
-    T, size = record.pose, _size(shape, surface)
+    path: Path, folder: Path, shape: BodyShape, mass: float, inertia: Array | None
+) -> tuple[dict[str, MeshSurface], Array, tuple[Remark, ...]]:
+    """What is drawn of an object's mesh, the inertia that its shape gives it, and what to know."""
+    drawn, surface = _surfaces(path, folder, shape, "object.shape")
+    T, size = shape.pose.transform, _size(shape, surface)
     if inertia is None:
         centre, own = _uniform(path, folder, shape, mass, surface)
         _check_centre(path, T, centre, size)
         inertia = multiply(multiply(T.R, own), T.R.T)
     advice = "give 'scale: 0.001' if its file is in millimetres" if shape.mesh is not None else "lengths are in m"
     large = Remark("large-shape", f"{path.name}: object.shape is {size:.4g} m long; {advice}.")
-    return record, inertia, (large,) if size > LARGE else ()
+    return drawn, inertia, (large,) if size > LARGE else ()
 
 
-def _uniform(path: Path, folder: Path, shape: ShapeDescription, mass: float, surface: Any) -> tuple[Array, Array]:
+def _uniform(path: Path, folder: Path, shape: BodyShape, mass: float, surface: Any) -> tuple[Array, Array]:
     """Centre of a uniform body, Shape (3,) [m], and its inertia about it, Shape (3, 3) [kg m²], axes of the shape."""
     if shape.box is not None:
         squares = np.square(shape.box)
@@ -120,7 +113,7 @@ def _check_centre(path: Path, T: RigidTransform, centre: Array, size: float) -> 
     )
 
 
-def _size(shape: ShapeDescription, surface: Any) -> float:
+def _size(shape: BodyShape, surface: Any) -> float:
     """Its longest side [m]."""
     if surface is not None:
         return float(np.max(np.ptp(surface.vertices, axis=0)))

@@ -15,7 +15,7 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of generated functions, which hold no numbers of a cell file."""
 
-FORMAT = 15
+FORMAT = 16
 """Version of the manifest's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -54,6 +54,7 @@ LARGEST_SIZE = 100_000
 
 Identifier = Annotated[str, Rule(pattern=IDENTIFIER, max_length=100)]
 Size = Annotated[int, Rule(ge=1, le=LARGEST_SIZE)]
+Arguments = Annotated[dict[Identifier, tuple[Size, Size]], Rule(min_length=1, max_length=MOST)]
 
 
 def geometry_size(robots: int, held: int) -> int:
@@ -61,26 +62,19 @@ def geometry_size(robots: int, held: int) -> int:
     return GRAVITY_SIZE + ROBOT_SIZE * robots + held
 
 
-class ArgumentRecord(Record):
-    """Name and dense shape (rows, columns) of one input or output."""
-
-    name: Identifier
-    shape: tuple[Size, Size]
-
-
 class FunctionRecord(Record):
-    """One generated function."""
+    """One generated function; what goes in and comes out has a name and a dense shape (rows, columns)."""
 
     symbol: Identifier
     instructions: Annotated[int, Rule(ge=0)]
-    inputs: Annotated[list[ArgumentRecord], Rule(min_length=1, max_length=MOST)]
-    outputs: Annotated[list[ArgumentRecord], Rule(min_length=1, max_length=MOST)]
+    inputs: Arguments
+    outputs: Arguments
 
     @property
     def signature(self) -> str:
         """Names and shapes of what goes in and comes out, as the C has them too."""
         given, found = (
-            ", ".join(f"{item.name}[{item.shape[0]}x{item.shape[1]}]" for item in side)
+            ", ".join(f"{name}[{rows}x{columns}]" for name, (rows, columns) in side.items())
             for side in (self.inputs, self.outputs)
         )
         return f"{given} -> {found}"

@@ -40,8 +40,7 @@ def is_as_made(path: Path, record: CellRecord) -> bool:
     sources = [robot.source for robot in record.robots]
     known = [(FileReference(source.urdf), source.sha256) for source in sources]
     known += [(FileReference(one.joint_limits[0]), one.joint_limits[1]) for one in sources if one.joint_limits]
-    shapes = [shape for shape in (record.object_shape, *record.surroundings) if shape is not None]
-    known += [(FileReference(one.mesh.file, what="mesh"), one.mesh.sha256) for one in shapes if one.mesh is not None]
+    known += [(FileReference(file, what="mesh"), surface.sha256) for file, surface in record.surfaces.items()]
     try:
         return all(reference.sha256(path, folder) == made for reference, made in known)
     except InputError:

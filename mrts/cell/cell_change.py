@@ -180,7 +180,7 @@ def limit_places(cell: Cell) -> dict[Changed, list[Keys]]:
         for at, (joint, curve) in enumerate(zip(robot.joints, robot.motors.torque_speed, strict=True)):
             if curve is not None:  # of another motor it changes with the torque limit
                 corners = (*place, "motors", "torque_speed", at)
-                found["torque", robot.name, joint].insert(0, (*corners, np.s_[:, 1]))
+                found.get(("torque", robot.name, joint), []).insert(0, (*corners, np.s_[:, 1]))
                 found["motor speed", robot.name, joint] = [(*corners, np.s_[:, 0])]
     return found
 

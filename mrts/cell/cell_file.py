@@ -20,7 +20,7 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.hands import Bounds, ContactRule, limit_sides, one_each, read_contacts
 from mrts.cell.motors import NONE_GIVEN, JointMotors
 from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLimit
-from mrts.cell.record import CylinderRecord
+from mrts.cell.record import BodyShape, Obstacle
 
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
@@ -53,8 +53,6 @@ Curve = Annotated[list[Annotated[list[Finite], Rule(min_length=2, max_length=2)]
 
 OF_FRICTION = ("coulomb", "viscous")
 
-SHAPES = ("box", "cylinder", "mesh")
-
 POSES = {"base": "T_world_base", "grasp": "T_object_tip"}
 """Attributes of a robot by the keys that give them."""
 
@@ -77,44 +75,6 @@ class VariationRule(Rule):
 Variation = Annotated[dict[str, Any], VariationRule()]
 
 
-class ShapeDescription(Record):
-    """What the object looks like, of one kind; see docs/cell_file.md.
-
-    Attributes:
-        box: Sides, Shape (3,) [m].
-        cylinder: A cylinder.
-        mesh: File of a surface, relative to the cell file.
-        scale: Metres of one unit of the mesh file.
-        pose: The shape's frame in the object frame.
-    """
-
-    box: Annotated[list[Positive], Rule(min_length=3, max_length=3)] | None = None
-    cylinder: CylinderRecord | None = None
-    mesh: Annotated[str, Rule(min_length=1)] | None = None
-    scale: Positive | None = None
-    pose: Pose = Pose()
-
-    def problem(self) -> str:
-        """The rule that its keys break with each other; empty if none."""
-        given = [kind for kind in SHAPES if getattr(self, kind) is not None]
-        if len(given) != 1:
-            here = f"here are {' and '.join(given)}" if given else "here is none of them"
-            return f"a shape is one of {', '.join(SHAPES)}; {here}"
-        if self.scale is not None and self.mesh is None:
-            return f"'scale' is of a mesh's unit, and does not go with '{given[0]}', whose lengths are in m"
-        return ""
-
-
-class ObstacleDescription(ShapeDescription):
-    """A body that stands still around the arms; `pose` is its frame in the world.
-
-    Attributes:
-        name: Of its own; None takes "obstacle", numbered.
-    """
-
-    name: Name | None = None
-
-
 class ObjectDescription(Record):
     """The carried object.
 
@@ -132,7 +92,7 @@ class ObjectDescription(Record):
 
     mass: Positive
     inertia: Annotated[list[Finite | Vector3], Rule(min_length=3, max_length=3)] | None = None
-    shape: ShapeDescription | None = None
+    shape: BodyShape | None = None
     variation: Variation | None = None
     velocity: ObjectRates = ObjectRates()
     acceleration: ObjectRates = ObjectRates()
@@ -305,14 +265,14 @@ class CellDescription(Record):
     power: Positive | None = None
     inertia: Literal["strict", "lenient"] = "strict"
     object: ObjectDescription
-    surroundings: Annotated[list[ObstacleDescription], Rule(max_length=MOST)] = []  # noqa: RUF012
+    surroundings: Annotated[list[Obstacle], Rule(max_length=MOST)] = []  # noqa: RUF012
     robots: Annotated[list[RobotDescription], Rule(min_length=1)]
 
     @property
     def references(self) -> list[FileReference]:
         """What it says of all files that it names."""
         limits = [robot.joint_limits for robot in self.robots if robot.joint_limits]
-        shapes: list[tuple[str, ShapeDescription | None]] = [("object.shape", self.object.shape)]
+        shapes: list[tuple[str, BodyShape | None]] = [("object.shape", self.object.shape)]
         around = [(f"surroundings[{at}]", of) for at, of in enumerate(self.surroundings)]
         meshes, others = (
             [FileReference(of.mesh, f"{key}.mesh", "mesh") for key, of in some if of is not None and of.mesh]

@@ -14,6 +14,7 @@ from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError, joined
 from mrts.base.formats.file_reference import is_uri
+from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Record, checked, dumped
 from mrts.base.input_file import plain
 from mrts.base.remark import NEAREST_INERTIA
@@ -26,13 +27,13 @@ from mrts.cell.hands import numbered
 from mrts.cell.motors import RATINGS
 from mrts.cell.number_paths import Keys, find_keys, set_value
 from mrts.cell.points import LinkPointLimit, ObjectRates
-from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
+from mrts.cell.record import BodyShape, CellManifest, CellRecord
 from mrts.cell.robot import Robot
 
 SAME_ROTATION = 1e-12
 """Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""
 
-FILES = frozenset({"urdf", "file", "joint_limits"})
+FILES = frozenset({"urdf", "mesh", "joint_limits"})
 """Keys that say where a file is, which need not be alike: its hash is compared, or what was taken from it."""
 
 
@@ -56,13 +57,13 @@ def cell_keys(cell: Cell) -> dict[str, Any]:
         "object": {
             "mass": cell.mass,
             "inertia": cell.inertia.tolist() if any(moments[3:]) else moments[:3],
-            "shape": None if cell.object_shape is None else _shape(cell.object_shape),
+            "shape": None if cell.object_shape is None else _shape_keys(cell.object_shape),
             "variation": variation or None,
             **{key: {"linear": linear, "angular": angular} for key, (linear, angular) in rates.items()},
             "frames": dumped(cell.object_points) or None,
             "carries": dumped(cell.carried) or None,
         },
-        "surroundings": [{"name": one.name, **_shape(one)} for one in cell.surroundings] or None,
+        "surroundings": [_shape_keys(one) for one in cell.surroundings] or None,
         "robots": [_robot(robot) for robot in cell.robots],
     }
 
@@ -72,15 +73,8 @@ def pose_keys(T: RigidTransform) -> dict[str, list[float]]:
     return {"xyz": T.p.tolist(), "rpy": rpy_from_rotation(T.R)}
 
 
-def _shape(shape: ShapeRecord) -> dict[str, Any]:
-    mesh, pose = shape.mesh, pose_keys(shape.pose)
-    return {
-        "box": shape.box,
-        "cylinder": None if shape.cylinder is None else shape.cylinder.model_dump(),
-        "mesh": None if mesh is None else mesh.file,
-        "scale": None if mesh is None else mesh.scale,
-        "pose": pose if any(pose["xyz"]) or any(pose["rpy"]) else None,
-    }
+def _shape_keys(shape: BodyShape) -> dict[str, Any]:
+    return shape.model_dump() | ({"pose": None} if shape.pose == Pose() else {})
 
 
 def _robot(robot: Robot) -> dict[str, Any]:
@@ -270,7 +264,10 @@ def manifest_of(cell: Cell) -> CellManifest:
 
 def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
     """Refuse what a cell file cannot hold: what it reads back to is another cell, but for rounding of rotations."""
-    numbers, found = (dict(_leaves(dumped(cell.record() | {"remarks": ()}))) for cell in (ours, read))
+    numbers, found = (
+        dict(_leaves(dumped(cell.record() | {"remarks": (), "surfaces": [*cell.surfaces.values()]})))
+        for cell in (ours, read)
+    )
     for key in dict.fromkeys([*numbers, *found]):
         value: Any = numbers.get(key)
         other: Any = found.get(key)

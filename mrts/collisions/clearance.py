@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress, check_type, require_extra
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
-from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.cell.generation import urdf_of
-from mrts.cell.record import ShapeRecord
+from mrts.cell.record import BodyShape, mesh_surface
 from mrts.cell.remarks import COLLISIONS_UNKNOWN, NO_COLLISIONS
 from mrts.cell.robot import Robot
 from mrts.collisions.bodies import body_poses, mesh_file, posed_urdf, reading_meshes
@@ -209,8 +208,8 @@ class CollisionModel:
         if cell.object_shape is None:
             unseen.append("the object")
         else:
-            shapes.append(_record_shape("object", arms, cell.object_shape))
-        shapes += [_record_shape(one.name, arms + 1, one, hollow=True) for one in cell.surroundings]
+            shapes.append(_record_shape("object", arms, cell, cell.object_shape))
+        shapes += [_record_shape(str(one.name), arms + 1, cell, one, hollow=True) for one in cell.surroundings]
         self._shapes, self.unseen = shapes, tuple(unseen)
         first = np.cumsum([0, *(len(robot.joints) + 1 for robot in cell.robots), 1])  # of the bodies in `_Poses`
         self._bodies = np.array([first[shape.arm] + shape.body for shape in shapes], dtype=int)
@@ -456,7 +455,7 @@ def _link_geometry(path: Path, given: Any) -> Any:
     return _hull(np.asarray(mesh.vertices) * scale) if len(mesh.vertices) else None
 
 
-def _record_shape(name: str, arm: int, record: ShapeRecord, *, hollow: bool = False) -> Shape:
+def _record_shape(name: str, arm: int, cell: Cell, record: BodyShape, *, hollow: bool = False) -> Shape:
     """The shape of the object or of an obstacle; a mesh as its convex hull, or "hollow" as its triangles."""
     coal = coal_module()
     if record.box is not None:
@@ -464,10 +463,9 @@ def _record_shape(name: str, arm: int, record: ShapeRecord, *, hollow: bool = Fa
     elif record.cylinder is not None:
         geometry = coal.Cylinder(record.cylinder.radius, record.cylinder.length)
     else:
-        assert record.mesh is not None  # noqa: S101 (the record has one of the three)
-        vertices, triangles = unpacked_surface(record.mesh.vertices, record.mesh.triangles)
+        vertices, triangles = mesh_surface(record, cell.surfaces)
         geometry = _surface(vertices, triangles) if hollow else _hull(vertices)
-    return _shape(name, arm, 0, geometry, record.pose)
+    return _shape(name, arm, 0, geometry, record.pose.transform)
 
 
 def _shape(name: str, arm: int, body: int, geometry: Any, pose: RigidTransform) -> Shape:

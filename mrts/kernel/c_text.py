@@ -117,13 +117,13 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     seldom = {record.symbol for name, record in manifest.functions.items() if name in (*SELDOM, "wrench_form")}
     often = head + "".join(text for symbol, text in functions.items() if symbol not in seldom)
     components = len(manifest.wrench_components)
-    sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
+    sizes = [rows * columns for rows, columns in manifest.functions["wrench_form"].inputs.values()]
     macros: dict[str, int | str] = {
         "MRTS_WRENCHES": components * len(manifest.robots),
-        "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
+        "MRTS_INPUTS": len(sizes),
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
         "MRTS_INPUT_NUMBERS": sum(sizes),
-        "MRTS_GEOMETRY_NUMBERS": manifest.functions["kinematics"].inputs[-1].shape[0],
+        "MRTS_GEOMETRY_NUMBERS": [*manifest.functions["kinematics"].inputs.values()][-1][0],
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
     }
     in_lanes = {name: manifest.functions[name].symbol for name in IN_LANES}

@@ -103,8 +103,8 @@ class CellLibrary:
         """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
-        outputs = {item.name: np.empty((samples, item.shape[1], item.shape[0])) for item in record.outputs}
-        sizes = (ctypes.c_longlong * len(outputs))(*[item.shape[0] * item.shape[1] for item in record.outputs])
+        outputs = {short: np.empty((samples, columns, rows)) for short, (rows, columns) in record.outputs.items()}
+        sizes = (ctypes.c_longlong * len(outputs))(*[rows * columns for rows, columns in record.outputs.values()])
         places = pointers(list(outputs.values()))
         if name == "wrench_form":
             self.opened.mrts_forms(samples, pointers(given), strides, places, sizes)
@@ -152,13 +152,12 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
         ValueError: If an input has another shape: the C would read past its end.
     """
     given, strides = [], []
-    for argument in record.inputs:
-        rows, columns = argument.shape
-        value = np.asarray(inputs[argument.name], dtype=np.float64)
+    for name, (rows, columns) in record.inputs.items():
+        value = np.asarray(inputs[name], dtype=np.float64)
         alone = value.shape == (rows,) and columns == 1
         if not alone and (columns > 1 or value.shape != (samples, rows)):
             if value.size != samples * rows * columns or len(value) != samples:
-                raise ValueError(f"{argument.name} has Shape {value.shape}, not {(samples, rows, columns)}")
+                raise ValueError(f"{name} has Shape {value.shape}, not {(samples, rows, columns)}")
             value = value.reshape(samples, rows, columns).transpose(0, 2, 1)
         given.append(np.ascontiguousarray(value))
         strides.append(0 if alone else rows * columns)

@@ -73,9 +73,9 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
         moving.append((arrows, trace | {"mode": "lines+markers", "marker": tips}))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(position)
     obstacles = [
-        _surface_trace(one.name, faces, SURROUNDINGS, SEE_THROUGH) | _coordinates(points)
+        _surface_trace(str(one.name), faces, SURROUNDINGS, SEE_THROUGH) | _coordinates(points)
         for one in cell.surroundings
-        for points, faces in [shape_surface(one, MOST_TRIANGLES)]
+        for points, faces in [shape_surface(cell, one, MOST_TRIANGLES)]
     ]
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
     view = look_at(scene)

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
+from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
 from mrts.cell.cell import Cell
-from mrts.cell.record import ShapeRecord
+from mrts.cell.record import BodyShape, mesh_surface
 
 THINNEST = 0.05
 """Least side of a drawn object, as a share of its longest: a planar object may have no thickness."""
@@ -55,7 +55,7 @@ def held_body(cell: Cell, most: int = MOST_DRAWN) -> Surface:
     is joined to it by a bar. A mesh of more than `most` triangles is made coarser.
     """
     if cell.object_shape is not None:
-        return shape_surface(cell.object_shape, most)
+        return shape_surface(cell, cell.object_shape, most)
     contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
     half = _narrowed(object_box(cell) / 2, contacts)
     size = 2 * float(np.linalg.norm(half))
@@ -101,16 +101,16 @@ def perpendicular(direction: Array) -> Array:
     return np.asarray(across / np.linalg.norm(across))
 
 
-def shape_surface(shape: ShapeRecord, most: int = MOST_DRAWN) -> Surface:
+def shape_surface(cell: Cell, shape: BodyShape, most: int = MOST_DRAWN) -> Surface:
     """A shape in the frame that its pose is given in; a mesh of more than `most` triangles is made coarser."""
     if shape.box is not None:
         vertices, triangles = CORNERS * np.array(shape.box), TRIANGLES
     elif shape.cylinder is not None:
         vertices, triangles = _cylinder(shape.cylinder.radius, shape.cylinder.length)
     else:
-        assert shape.mesh is not None  # noqa: S101 (the record has one of the three)
-        vertices, triangles = coarser_surface(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles), most)
-    return vertices @ shape.pose.R.T + shape.pose.p, triangles
+        vertices, triangles = coarser_surface(*mesh_surface(shape, cell.surfaces), most)
+    pose = shape.pose.transform
+    return vertices @ pose.R.T + pose.p, triangles
 
 
 def outlines(surface: Surface) -> Array:

@@ -132,7 +132,7 @@ class SceneRenderer:
         self._add_surface(self._spec.worldbody.add_body(name="object", mocap=True), "object", body, OBJECT)
         for number, one in enumerate(cell.surroundings):
             name = f"surroundings/{number}"
-            self._add_surface(self._spec.worldbody, name, shape_surface(one), SURROUNDINGS, SEE_THROUGH)
+            self._add_surface(self._spec.worldbody, name, shape_surface(cell, one), SURROUNDINGS, SEE_THROUGH)
         for number, parts in enumerate(drawn_arms(cell, clip.urdfs, warn)):
             robot, found = cell.robots[number], clip.card.deciding
             deciding = None if found is None else found.body(robot)

@@ -159,7 +159,7 @@ class ViewerScene:
             hand, radius = f"{names[-1]}/hand", HAND * self.size
             scene.add_icosphere(hand, radius, arm_colour(index), position=robot.T_base_tip.p)
         for number, one in enumerate(cell.surroundings):
-            vertices, faces = shape_surface(one)
+            vertices, faces = shape_surface(cell, one)
             scene.add_mesh_simple(
                 f"/surroundings/{number}", vertices.astype(np.float32), faces.astype(np.uint32),
                 color=SURROUNDINGS, opacity=SEE_THROUGH, flat_shading=True, side="double", cast_shadow=False,

@@ -11,8 +11,8 @@ from pydantic import ConfigDict, Field, ValidationError, create_model
 from mrts.base.errors import InputError, joined
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Record, Rule, read_json
-from mrts.base.manifest import ArgumentRecord, FunctionRecord
-from mrts.cell.record import CylinderRecord
+from mrts.base.manifest import FunctionRecord
+from mrts.cell.record import Cylinder
 
 pytestmark = pytest.mark.quick
 
@@ -29,11 +29,10 @@ class TableRecord(Record):
 
 
 GIVEN = {
-    CylinderRecord: {"radius": 1, "length": 2.5},
-    ArgumentRecord: {"name": "some_name", "shape": [3, 4]},
+    Cylinder: {"radius": 1, "length": 2.5},
     FunctionRecord: {
-        "symbol": "cell_terms", "instructions": 3, "inputs": [{"name": "q", "shape": [3, 4]}],
-        "outputs": [{"name": "E", "shape": [3, 1]}, {"name": "A", "shape": [3, 1]}],
+        "symbol": "cell_terms", "instructions": 3, "inputs": {"q": [3, 4]},
+        "outputs": {"E": [3, 1], "A": [3, 1]},
     },
     TableRecord: {
         "rows": ["fx", None], "limits": {"mass": [0.5, 2]}, "kind": "tip", "known": False, "numbers": [[1.0, 2], [3]],

@@ -107,7 +107,7 @@ def test_it_stays_with_the_cell(tmp_path):
     drawn = surface(cell)
     cell.to_yaml(tmp_path / "again.yaml")
     written = yaml.safe_load((tmp_path / "again.yaml").read_text(encoding="utf-8"))["object"]["shape"]
-    assert (written["mesh"], written["pose"]["rpy"]) == ("part.stl", [0.0, 0.0, np.pi / 2])
+    assert written == {"mesh": "part.stl", "pose": {"xyz": [0, 0, 0]} | pose}
     generate_to(path, tmp_path / "generated")
     result = mrts.scale(cell, mrts.load_motion(DATA / "lift.yaml"), between=None)
     mrts.save_result(result, tmp_path / "result.npz")

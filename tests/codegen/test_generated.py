@@ -54,7 +54,11 @@ def spoiled_folder(tmp_path, change):
 
 
 def sized(function, side, place, shape):
-    return lambda data: data["functions"][function][side][place].update(shape=shape)
+    def change(data):
+        arguments = data["functions"][function][side]
+        arguments[[*arguments][place]] = shape
+
+    return change
 
 
 HOSTILE = {
@@ -66,7 +70,7 @@ HOSTILE = {
     "a source that is no C": lambda data: data.update(source="planar_dual_arm.so"),
     "a symbol of the C library": lambda data: data["functions"]["wrench_form"].update(symbol="system"),
     "no wrench form": lambda data: data["functions"].pop("wrench_form"),
-    "an argument that is C": lambda data: data["functions"]["terms"]["inputs"][0].update(name="a; b"),
+    "an argument that is C": lambda data: data["functions"]["terms"]["inputs"].update({"a; b": [1, 1]}),
     "an argument without end": sized("terms", "outputs", 0, [10**18, 1]),
     "a negative argument": sized("terms", "outputs", 0, [-6, 6]),
     "an argument that is smaller than in C": sized("kinematics", "outputs", 0, [1, 1]),

@@ -132,7 +132,7 @@ def test_surroundings_in_the_cell_file(tmp_path):
     again = mrts.load_cell(tmp_path / "cell.yaml")
     assert again.surroundings == cell.surroundings
     trimesh.creation.box([0.1, 0.2, 0.4]).export(tmp_path / "crate.stl")
-    assert mrts.load_cell(tmp_path / "cell.yaml").surroundings[0].mesh != cell.surroundings[0].mesh
+    assert mrts.load_cell(tmp_path / "cell.yaml").surfaces != cell.surfaces
     twice = [box("table", [1, 1, 1], [0, 0, -2]), box("table", [1, 1, 1], [0, 0, 5])]
     for wrong, key in ((twice, "surroundings"), ([{"name": "nothing"}], "surroundings[0]")):
         with pytest.raises(mrts.InputError) as error:

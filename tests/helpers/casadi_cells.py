@@ -14,17 +14,16 @@ class CasadiFunctions(CellFunctions):
     def __call__(self, name, samples, inputs):
         record, arguments = self.manifest.functions[name], []
         given = {"geometry": self._geometry} | inputs
-        for argument in record.inputs:
-            rows, columns = argument.shape
-            value = np.asarray(given[argument.name], dtype=float)
+        for short, (rows, columns) in record.inputs.items():
+            value = np.asarray(given[short], dtype=float)
             value = np.broadcast_to(value, (samples, rows)) if value.shape == (rows,) else value
             stacked = value.reshape(samples, rows, columns).transpose(1, 0, 2)
             arguments.append(ca.DM(stacked.reshape(rows, samples * columns)))
         outputs = {}
-        for argument, result in zip(record.outputs, self.origin[name].map(samples).call(arguments), strict=True):
-            rows, columns = argument.shape
+        found = self.origin[name].map(samples).call(arguments)
+        for (short, (rows, columns)), result in zip(record.outputs.items(), found, strict=True):
             value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
-            outputs[argument.name] = value[:, :, 0] if columns == 1 else value
+            outputs[short] = value[:, :, 0] if columns == 1 else value
         return outputs
 
 

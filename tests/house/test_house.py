@@ -111,7 +111,7 @@ def test_the_notation_is_complete():
     for cell in (path.parent for path in (ROOT / "generated").glob("*/manifest.json")):
         manifest, _ = read_generated(cell)
         for function in manifest.functions.values():
-            assert {argument.name for argument in (*function.inputs, *function.outputs)} <= names
+            assert {*function.inputs, *function.outputs} <= names
 
 
 def equation_homes():
