@@ -150,15 +150,13 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     mistakes.raise_noted()
     remarks = [*of_object, *check_contact_normals(path, description.robots, carried.shape, surfaces)]
     remarks += [remark for arm in built for remark in (*arm.model.remarks, *arm.remarks)]
-    ranges: dict[str, Any] = dict(carried.variation or {})
-    outer_hull = ranges.pop("hull", None) is not None
     record = CellRecord(
         name=description.name,
         plane=description.plane,
         wrench_components=_components(description.plane),
         gravity=np.array(description.gravity, dtype=float),
         load=load_vector(carried.mass, np.zeros(3), inertia),
-        load_box=LoadBox(carried.mass, inertia, ranges, outer_hull) if ranges else None,
+        load_box=None if carried.variation is None else LoadBox(carried.mass, inertia, carried.variation),
         power_limit=description.power,
         object_velocity_limit=carried.velocity.limits,
         object_acceleration_limit=carried.acceleration.limits,

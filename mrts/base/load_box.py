@@ -20,12 +20,9 @@ FACTORS = ("mass", "ixx", "iyy", "izz")
 FIRST_MOMENTS = ("mx", "my", "mz")
 """Mass times offset of the centre of mass, object axes [kg m]."""
 
-OFFSETS = ("com_x", "com_y", "com_z")
-"""Offset of the centre of mass itself, object axes [m]."""
-
-PARAMETERS = (*FACTORS, *FIRST_MOMENTS, *OFFSETS)
+PARAMETERS = (*FACTORS, *FIRST_MOMENTS)
 NOMINAL = {name: 1.0 if name in FACTORS else 0.0 for name in PARAMETERS}
-UNITS = {name: "kg m" if name in FIRST_MOMENTS else "m" if name in OFFSETS else "" for name in PARAMETERS}
+UNITS = {name: "kg m" if name in FIRST_MOMENTS else "" for name in PARAMETERS}
 
 EQUAL_MOMENTS = 1e-9
 """Principal moments that differ by less than this share are equal: their axes are then free to choose."""
@@ -36,19 +33,13 @@ AXES_TOLERANCE = 1e-9
 LARGEST_DRAW = 1_000_000
 """Most loads that are drawn at once: more would fill the memory."""
 
-OUTER_HULL_ADVICE = (
-    "a range of the centre of mass itself enters the inertia as mass × offset², so the corners of the box do not span "
-    "its loads. Give ranges of the first moments mx, my, mz (mass × offset, kg m; the inertia is then the one about "
-    "the object frame's origin), or add 'hull: outer' for a slightly larger set of loads that corners do span."
-)
-
 
 @dataclass(frozen=True)
 class LoadPoint:
-    """One load of a box, or one corner of its outer hull.
+    """One load of a box.
 
     Attributes:
-        parameters: Values of the parameters that vary; of a corner of an outer hull their means.
+        parameters: Values of the parameters that vary.
         load: Load vector, Shape (10,), see `mrts.base.manifest.LOAD_ENTRIES`.
     """
 
@@ -76,7 +67,6 @@ class LoadBox:
         mass: Nominal [kg].
         inertia: Nominal, at the com in object axes, Shape (3, 3) [kg m²].
         ranges: Least and largest value by parameter (`PARAMETERS`); what is left out stays nominal.
-        outer_hull: Ranges of the com's offset are admitted, and the box replaced by its outer hull.
         principal_axes: Columns in object axes, Shape (3, 3).
         principal_moments: Shape (3,) [kg m²].
     """
@@ -84,7 +74,6 @@ class LoadBox:
     mass: float
     inertia: Array
     ranges: Mapping[str, tuple[float, float]]
-    outer_hull: bool = False
     principal_axes: Array = field(init=False)
     principal_moments: Array = field(init=False)
 
@@ -92,13 +81,11 @@ class LoadBox:
         if not is_number(self.mass) or not self.mass > 0:
             raise InputError("mass", "must be a finite number > 0, in kg.", value=self.mass)
         check_type("ranges", self.ranges, Mapping)
-        check_type("outer_hull", self.outer_hull, bool)
         inertia = as_array("inertia", self.inertia)
         if inertia.shape != (3, 3) or not np.all(np.isfinite(inertia)):
             raise InputError("inertia", "must be finite with Shape (3, 3).", value=self.inertia)
         object.__setattr__(self, "inertia", inertia)
-        problem = range_problem(self.ranges, outer_hull=self.outer_hull)
-        if problem:
+        if problem := range_problem(self.ranges):
             raise InputError("variation", problem)
         ordered = {name: self.ranges[name] for name in PARAMETERS if name in self.ranges}
         object.__setattr__(self, "ranges", {name: (float(low), float(high)) for name, (low, high) in ordered.items()})
@@ -135,8 +122,7 @@ class LoadBox:
                 what = " of the nominal value" if name in FACTORS else f" {UNITS[name]}"
                 rule = f"must be a number in [{low:g}, {high:g}]{what}: {self.description()}."
                 raise InputError("load", rule, key=name, value=value)
-        values = self._inside() | dict(parameters)
-        return self._load(values, values)
+        return self._load(self._inside() | dict(parameters))
 
     def nominal_point(self) -> LoadPoint:
         """The load with every parameter nominal, or as near to it as the box goes."""
@@ -144,11 +130,7 @@ class LoadBox:
         return LoadPoint(values, self.load_at(values))
 
     def corners(self, varying: tuple[str, ...] | None = None) -> tuple[LoadPoint, ...]:
-        """Loads whose convex hull holds the whole box: its corners, or those of its outer hull.
-
-        Without ranges of the com's offset the load is affine in each parameter and its corners are real loads. An
-        offset enters squared; the control points of the load's Bernstein form span it (the hull property; e.g. Farin,
-        Curves and Surfaces for CAGD, 5th ed., chapter 5).
+        """Its corners: the load is affine in each parameter, so their convex hull holds the whole box.
 
         Args:
             varying: Parameters to vary; None varies all. Others stay nominal.
@@ -162,13 +144,8 @@ class LoadBox:
             if name not in self.ranges:
                 known = ", ".join(self.ranges)
                 raise InputError("varying", f"is not a parameter of this box; those are {known}.", value=name)
-        corners = []
-        for ends in product(*([(0, 0), (0, 1), (1, 1)] if name in OFFSETS else [(0, 0), (1, 1)] for name in names)):
-            pairs = {name: [self.ranges[name][end] for end in pair] for name, pair in zip(names, ends, strict=True)}
-            first, second = (self._inside() | {name: pair[k] for name, pair in pairs.items()} for k in (0, 1))
-            means = {name: (low + high) / 2 for name, (low, high) in pairs.items()}
-            corners.append(LoadPoint(means, self._load(first, second)))
-        return tuple(corners)
+        corners = (dict(zip(names, ends, strict=True)) for ends in product(*(self.ranges[name] for name in names)))
+        return tuple(LoadPoint(corner, self._load(self._inside() | corner)) for corner in corners)
 
     def draw(self, rng: "np.random.Generator", count: int) -> tuple[LoadPoint, ...]:
         """Random loads of the box, every parameter uniform in its range.
@@ -203,17 +180,10 @@ class LoadBox:
         limits = {name: self.ranges.get(name, (value, value)) for name, value in NOMINAL.items()}
         return {name: min(max(value, limits[name][0]), limits[name][1]) for name, value in NOMINAL.items()}
 
-    def _load(self, first: Mapping[str, float], second: Mapping[str, float]) -> Array:
-        """The load in its polar form in the com's offset: equal arguments give the load of these parameters."""
-        mass = first["mass"] * self.mass
-        a, b = (np.array([values[name] for name in OFFSETS]) for values in (first, second))
-        mean = (a + b) / 2
-        outer = np.outer(mean, mean)
-        np.fill_diagonal(outer, a * b)
-        moments = self.principal_moments * [first[name] for name in FACTORS[1:]]
+    def _load(self, values: Mapping[str, float]) -> Array:
+        moments = self.principal_moments * [values[name] for name in FACTORS[1:]]
         inertia = (self.principal_axes * moments) @ self.principal_axes.T
-        inertia = inertia + mass * (np.trace(outer) * np.eye(3) - outer)
-        return load_vector(mass, mass * mean + [first[name] for name in FIRST_MOMENTS], inertia)
+        return load_vector(values["mass"] * self.mass, np.array([values[name] for name in FIRST_MOMENTS]), inertia)
 
 
 def _in_words(name: str, *values: float) -> str:
@@ -229,22 +199,11 @@ def load_vector(mass: float, first_moment: Array, inertia: Array) -> Array:
     return np.array([mass, *first_moment, *np.diag(inertia), *off_diagonal], dtype=np.float64)
 
 
-def range_problem(ranges: Mapping[str, tuple[float, float]], *, outer_hull: bool) -> str:
+def range_problem(ranges: Mapping[str, tuple[float, float]]) -> str:
     """The rule that some ranges break, in a sentence; empty if they break none."""
     if not ranges:
         return f"needs at least one range, of {', '.join(PARAMETERS)}."
-    for name, pair in ranges.items():
-        problem = _one_range_problem(name, pair)
-        if problem:
-            return problem
-    offsets = [name for name in ranges if name in OFFSETS]
-    if offsets and any(name in ranges for name in FIRST_MOMENTS):
-        return f"ranges of first moments and of offsets ({', '.join(offsets)}) exclude each other: give one kind."
-    if offsets and not outer_hull:
-        return f"{', '.join(offsets)}: {OUTER_HULL_ADVICE}"
-    if outer_hull and not offsets:
-        return "'hull: outer' is for ranges of com_x, com_y, com_z: without them the box is exact. Leave it out."
-    return ""
+    return next(filter(None, (_one_range_problem(name, pair) for name, pair in ranges.items())), "")
 
 
 def _one_range_problem(name: str, pair: Any) -> str:
@@ -273,7 +232,9 @@ def principal_axes(inertia: Array) -> Array:
     axes = vectors
     for order in permutations(range(3)):
         candidate = vectors[:, order].copy()
-        for group in _equal_groups(moments[list(order)]):
+        ordered = moments[list(order)]
+        alike = np.abs(ordered[:, None] - ordered) <= EQUAL_MOMENTS * np.max(ordered)
+        for group in dict.fromkeys(tuple(np.flatnonzero(row).tolist()) for row in alike):
             # equal moments leave the axes free in their span: take those nearest to the object's axes
             u, _, vt = np.linalg.svd(candidate[:, group].T @ np.eye(3)[:, group])
             candidate[:, group] = candidate[:, group] @ u @ vt
@@ -284,15 +245,3 @@ def principal_axes(inertia: Array) -> Array:
     if np.linalg.det(axes) < 0:
         axes[:, int(np.argmin(np.abs(np.diag(axes))))] *= -1
     return np.eye(3) if np.max(np.abs(axes - np.eye(3))) < AXES_TOLERANCE else axes
-
-
-def _equal_groups(moments: Array) -> list[list[int]]:
-    groups: list[list[int]] = []
-    for index, moment in enumerate(moments):
-        for group in groups:
-            if abs(moment - moments[group[0]]) <= EQUAL_MOMENTS * np.max(moments):
-                group.append(index)
-                break
-        else:
-            groups.append([index])
-    return groups

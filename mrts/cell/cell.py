@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 from operator import attrgetter
 from os import PathLike
 from pathlib import Path
@@ -238,19 +239,17 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
             )
         return replace(self, load=given, load_box=None)
 
-    def with_variation(self, *, outer_hull: bool = False, **ranges: tuple[float, float]) -> Self:
+    def with_variation(self, **ranges: tuple[float, float]) -> Self:
         """The same cell with a load that is known only within ranges.
 
         Args:
-            outer_hull: Needed with ranges of com_x, com_y, com_z.
             **ranges: Least and largest value by parameter: factors mass, ixx, iyy, izz; first moments mx, my, mz
-                [kg m]; offsets com_x, com_y, com_z [m]. None at all: the load is known.
+                [kg m]. None at all: the load is known.
 
         Raises:
             InputError: If a range breaks a rule.
         """
-        check_type("outer_hull", outer_hull, bool)
-        if not ranges and not outer_hull:
+        if not ranges:
             return replace(self, load_box=None)
         if np.any(self.load[1:4] != 0):
             raise InputError(
@@ -259,7 +258,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
                 "first moments. Vary the cell's own object, with ranges of mx, my, mz.",
                 value=self.load[1:4].tolist(),
             )
-        return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges, outer_hull))
+        return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges))
 
     def without_wrench_limits(self) -> Self:
         """The same cell with every contact wrench and its rate unbounded, and hands that hold whatever comes."""
@@ -379,16 +378,27 @@ def _check_placement(cell: Cell) -> None:
 
 
 def _check_machines(cell: Cell) -> None:
-    """Check that arms of one machine stay where they are on it."""
-    now, made = (
-        {robot.name: robot.T_world_base for robot in robots} for robots in (cell.robots, cell.functions.manifest.robots)
-    )
-    for one, other in cell.machines:
-        if not in_one_place(now[one].inverse() @ now[other], made[one].inverse() @ made[other]):
+    """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
+    arms = zip(cell.robots, cell.functions.manifest.robots, strict=True)
+    for (one, one_made), (other, other_made) in combinations(arms, 2):
+        first, second = one_made.source, other_made.source
+        if first.sha256 != second.sha256:
+            continue
+        names = f"robots '{one.name}' and '{other.name}'"
+        if (one.name, other.name) in cell.machines:
+            kept = one_made.T_world_base.inverse() @ other_made.T_world_base
+            if not in_one_place(one.T_world_base.inverse() @ other.T_world_base, kept):
+                raise InputError(
+                    "cell",
+                    f"{names} are arms of one machine (one URDF in one place): their bases move together. Give both in "
+                    "one step: mrts.Cell.from_description, or dataclasses.replace(cell, robots=…).",
+                    key="base",
+                )
+        elif in_one_place(one.T_world_base @ first.T_base_root, other.T_world_base @ second.T_base_root):
             raise InputError(
                 "cell",
-                f"robots '{one}' and '{other}' are arms of one machine (one URDF in one place): their bases move "
-                "together. Give both in one step: mrts.Cell.from_description, or dataclasses.replace(cell, robots=…).",
+                f"{names} would stand in one place, which makes them arms of one machine (they have one URDF). Move "
+                "one of them, or say so in a cell file, which is checked against the URDF.",
                 key="base",
             )
 

@@ -12,12 +12,12 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.pose import Angle, Finite, Name, Pose, Positive, Vector3
-from mrts.base.formats.record import Record, Rule, checked_fields
+from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import range_problem
 from mrts.base.manifest import MOST, WRENCH_UNITS
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.hands import Bounds, ContactRule, limit_sides, one_each, read_contacts
+from mrts.cell.hands import Bounds, check_contact, limit_sides, one_each, read_contacts
 from mrts.cell.motors import NONE_GIVEN, JointMotors
 from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLimit
 from mrts.cell.record import BodyShape, Obstacle
@@ -35,7 +35,7 @@ MOST_POINTS = 100
 MOST_CONTACTS = 20
 """Of one robot."""
 
-Range = Annotated[list[Finite], Rule(min_length=2, max_length=2)]
+Range = tuple[Finite, Finite]
 """Least and largest value."""
 
 
@@ -48,7 +48,7 @@ LimitPerJoint = Finite | Annotated[list[Finite | None], Rule(min_length=1)]
 Limits = Annotated[list[Positive | None], Rule(min_length=1)]
 """One a joint, null where there is none."""
 
-ContactEntry = Annotated[dict[str, dict[str, Any]], ContactRule()]
+ContactEntry = Annotated[dict[str, dict[str, Any]], check_contact]
 Curve = Annotated[list[Annotated[list[Finite], Rule(min_length=2, max_length=2)]], Rule(min_length=2)]
 
 OF_FRICTION = ("coulomb", "viscous")
@@ -60,19 +60,13 @@ OF_ARM = (*POSES, "posture", "torque", "velocity", "acceleration", "wrench", "co
 """Keys of a robot that say more than its URDF, each by itself."""
 
 
-class VariationRule(Rule):
-    """That the ranges of what is uncertain of the load, by parameter, and `hull` keep to docs/uncertain_load.md."""
-
-    def check(self, value: dict[str, Any], _given: object) -> None:
-        """Check the keys of `variation`."""
-        kinds = {name: Literal["outer"] if name == "hull" else Range for name in value}
-        ranges = checked_fields(kinds, {}, value)
-        ranges.pop("hull", None)
-        if problem := range_problem(ranges, outer_hull="hull" in value):
-            raise InputError("", problem)
+def check_variation(ranges: dict[str, Range]) -> None:
+    """Check the ranges of what is uncertain of the load, by parameter: docs/uncertain_load.md."""
+    if problem := range_problem(ranges):
+        raise InputError("", problem)
 
 
-Variation = Annotated[dict[str, Any], VariationRule()]
+Variation = Annotated[dict[str, Range], check_variation]
 
 
 class ObjectDescription(Record):

@@ -46,8 +46,6 @@ def cell_keys(cell: Cell) -> dict[str, Any]:
     moments = cell.load[4:].tolist()
     rates = {key: without_infinity(getattr(cell, f"object_{key}_limit")) for key in ("velocity", "acceleration")}
     variation: dict[str, Any] = {} if box is None else {name: list(ends) for name, ends in box.ranges.items()}
-    if box is not None and box.outer_hull:
-        variation["hull"] = "outer"
     return {
         "name": cell.name,
         "gravity": cell.gravity.tolist(),

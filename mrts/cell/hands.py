@@ -453,24 +453,21 @@ KINDS: dict[str, Callable[..., Contact]] = {
 }
 
 
-class ContactRule(Rule):
-    """That an entry of `contact` in a cell file names a function of `KINDS` and gives it arguments of its kinds."""
-
-    def check(self, value: dict[str, dict[str, Any]], _given: object) -> None:
-        """Check an entry."""
-        if len(value) != 1 or not {*value} <= {*KINDS}:
-            rule = (
-                f"each entry of 'contact' is one of {', '.join(KINDS)}, such as "
-                "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'."
-            )
-            raise InputError("", rule, value=[*value])
-        ((kind, arguments),) = value.items()
-        own = [one for one in signature(KINDS[kind]).parameters.values() if one.name not in {"components", "name"}]
-        defaults = {one.name: one.default for one in own if one.default is not Parameter.empty}
-        try:
-            checked_fields({one.name: one.annotation for one in own}, defaults, arguments)
-        except InputError as error:
-            raise error.inside("", kind) from None
+def check_contact(entry: dict[str, dict[str, Any]]) -> None:
+    """Check that an entry of `contact` in a cell file names a function of `KINDS` and suits its arguments."""
+    if len(entry) != 1 or not {*entry} <= {*KINDS}:
+        rule = (
+            f"each entry of 'contact' is one of {', '.join(KINDS)}, such as "
+            "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'."
+        )
+        raise InputError("", rule, value=[*entry])
+    ((kind, arguments),) = entry.items()
+    own = [one for one in signature(KINDS[kind]).parameters.values() if one.name not in {"components", "name"}]
+    defaults = {one.name: one.default for one in own if one.default is not Parameter.empty}
+    try:
+        checked_fields({one.name: one.annotation for one in own}, defaults, arguments)
+    except InputError as error:
+        raise error.inside("", kind) from None
 
 
 def read_contacts(
@@ -480,7 +477,7 @@ def read_contacts(
     components: Sequence[str],
     R_object_tip: Array,
 ) -> tuple[Contact, ...]:
-    """The contacts of one robot by entries of a cell file that keep to `ContactRule`."""
+    """The contacts of one robot by entries of a cell file that keep to `check_contact`."""
     in_tip, contacts = tip_components(components, R_object_tip), []
     given = [pair for entry in entries for pair in entry.items()]
     for place, ((kind, arguments), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):

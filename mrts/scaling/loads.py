@@ -108,7 +108,6 @@ class LoadStudy:
         return {
             "question": self.question,
             "ranges": {name: list(pair) for name, pair in self.box.ranges.items()},
-            "outer_hull": self.box.outer_hull,
             "principal_axes": self.box.principal_axes.tolist(),
             "principal_moments": self.box.principal_moments.tolist(),
             "points": [
@@ -166,13 +165,6 @@ def _loads(rows: MotionRows, question: str, box: LoadBox) -> tuple[tuple[LoadPoi
     """
     if question not in {"guaranteed", "possible"}:
         return mass_grid(box, question), ()
-    if question == "possible" and box.outer_hull:
-        raise InputError(
-            "load",
-            "an outer hull holds loads that do not exist, so it cannot answer what is possible. Give ranges of the "
-            "first moments mx, my, mz instead of the offsets.",
-            value=question,
-        )
     varying = effective_parameters(rows.cell, rows.motion, box)
     middle = (box.nominal_point(),) if question == "possible" and varying else ()
     return (*box.corners(varying), *middle), varying

@@ -28,7 +28,6 @@ UNITS = {
     "robots.near.grasp.rpy[2]": "rad",
     "object.variation.mass[0]": "",
     "object.variation.mx[1]": "kg m",
-    "object.variation.com_x[1]": "m",
     "object.velocity.angular": "rad/s",
     "gravity[1]": "m/s²",
     "motion.waypoints[1].xyz[0]": "m",
@@ -48,7 +47,7 @@ def test_units_are_those_of_joints_hands_curves_and_the_object(rails):
         "contact_rate": [1, 1], "motors": {"armature": 0.1, "torque_speed": [curve, None, curve]},
         "fixed": {"torque": 1}, "contact": [{"pad": pad}, {"box": {"upper": [1, 1, 1]}}], "grasp": {"rpy": [0, 0, 0]},
     }  # fmt: skip
-    variation = {"mass": [1, 1], "mx": [0, 0], "com_x": [0, 0]}
+    variation = {"mass": [1, 1], "mx": [0, 0]}
     cell = {"robots": [near], "object": {"variation": variation, "velocity": {"angular": None}}, "gravity": [0, 0, 0]}
     files = {"cell": cell, "motion": {"waypoints": [{"xyz": [0, 0, 0]}] * 2}}
     for path, unit in UNITS.items():

@@ -82,7 +82,7 @@ HOSTILE = {
     "a component twice": lambda data: data["cell"].update(wrench_components=["fx", "fx", "nz"]),
     "too few wrench limits": lambda data: data["cell"]["robots"][0].update(wrench_lower=[None]),
     "a strange parameter": lambda data: data["cell"].update(
-        load_box={"mass": 2.0, "inertia": np.eye(3).tolist(), "ranges": {"x; y": [0, 1]}, "outer_hull": False}
+        load_box={"mass": 2.0, "inertia": np.eye(3).tolist(), "ranges": {"x; y": [0, 1]}}
     ),
     "a function that the C lacks": lambda data: data["functions"].update(
         extra=data["functions"]["kinematics"] | {"symbol": "planar_dual_arm_extra"}

@@ -12,6 +12,7 @@ import yaml
 from conftest import ROOT
 
 import mrts
+from mrts.base.formats.record import dumped
 from mrts.collisions.clearance import RESOLUTION, SHARE, CollisionModel
 from mrts.following.coordinate import coordinate
 from mrts.motion.motion_file import MotionDescription, sample_motion
@@ -130,7 +131,7 @@ def test_surroundings_in_the_cell_file(tmp_path):
     assert [one.name for one in cell.surroundings] == ["obstacle", "obstacle2"]
     cell.to_yaml(tmp_path / "cell.yaml")
     again = mrts.load_cell(tmp_path / "cell.yaml")
-    assert again.surroundings == cell.surroundings
+    assert dumped(again.surroundings) == dumped(cell.surroundings)
     trimesh.creation.box([0.1, 0.2, 0.4]).export(tmp_path / "crate.stl")
     assert mrts.load_cell(tmp_path / "cell.yaml").surfaces != cell.surfaces
     twice = [box("table", [1, 1, 1], [0, 0, -2]), box("table", [1, 1, 1], [0, 0, 5])]

@@ -26,9 +26,7 @@ OTHERS = {
         cell, lift, 1.0, sharing=mrts.LoadSharing(internal_wrench=np.zeros((101, 6)))
     ),
     "grid": lambda cell, lift: mrts.scale(cell.with_variation(mass=(0.2, 6.0)), lift, load="grid:4"),
-    "outer hull": lambda cell, lift: mrts.scale(
-        cell.with_variation(mass=(0.5, 2), com_x=(-0.1, 0.05), outer_hull=True), lift
-    ),
+    "outer hull": lambda cell, lift: mrts.scale(cell.with_variation(mass=(0.5, 2), mx=(-0.1, 0.05)), lift),
     "carried": lambda cell, lift: mrts.torques_for_load(
         mrts.scale(cell.with_variation(mass=(0.2, 6.0), mx=(-0.1, 0.1)), lift), cell.load + 0.05 * np.eye(10)[1]
     ),

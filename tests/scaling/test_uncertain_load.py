@@ -227,9 +227,6 @@ VARIATION_MISTAKES = {
     "without the nominal": ({"mass": [2.0, 3.0]}, "must contain 1"),
     "moment without zero": ({"mx": [0.1, 0.3]}, "must contain 0"),
     "nothing": ({}, "at least one range"),
-    "offsets": ({"mass": [0.5, 2.0], "com_x": [-0.1, 0.1]}, "'hull: outer'"),
-    "offsets and moments": ({"com_x": [-0.1, 0.1], "mx": [-1, 1], "hull": "outer"}, "exclude each other"),
-    "hull alone": ({"mass": [0.5, 2.0], "hull": "outer"}, "is for ranges of com_x"),
 }
 
 

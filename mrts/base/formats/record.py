@@ -146,9 +146,9 @@ class Record:
     """Named values of the annotated kinds; nothing is converted but whole numbers to numbers, and lists to tuples.
 
     Kinds are float, int, bool, str, Any, Literal, records, dataclasses, arrays, functions, other classes, lists, tuples
-    and dictionaries of these, alternatives and None, each with a `Rule` or not. Numbers are finite; of arrays, JSON has
-    infinite ones as the texts "inf" and "-inf", and a dataclass checks its own arrays. The attribute of a key that is a
-    word of Python ends in an underscore.
+    and dictionaries of these, alternatives and None, each annotated with a `Rule`, a function that raises, or nothing.
+    Numbers are finite; of arrays, JSON has infinite ones as the texts "inf" and "-inf", and a dataclass checks its own
+    arrays. The attribute of a key that is a word of Python ends in an underscore.
 
     Raises:
         InputError: If a key or a value breaks a rule.
@@ -278,6 +278,8 @@ def checked(kind: Any, value: Any) -> Any:
         for rule in parts[1:]:
             if isinstance(rule, Rule):
                 rule.check(read, value)
+            elif callable(rule):
+                rule(read)
         return read
     if origin in {Union, UnionType}:
         return None if value is None and NoneType in parts else _one_of(value, *(p for p in parts if p is not NoneType))
