@@ -183,13 +183,12 @@ class VariantBatch:
     def _of_robot(self, robot: int, *keys: str | int) -> list[Place]:
         cell, frame, angle = self._cell, GRAVITY_SIZE + ROBOT_SIZE * robot, LARGEST_ANGLE
         joints, wrenches = ([*slices.values()][robot].start for slices in (cell.joint_slices, cell.wrench_slices))
-        looks = (self._study.cell["robots"][robot].get("grasp") or {}).get("look_at") is not None
         in_tip = any(contact.frame == "tip" for contact in cell.robots[robot].contacts)  # rows that turn with it
-        turns = {"base": cell.plane is None, "grasp": cell.plane is None and not looks and not in_tip}
+        turns = {"base": cell.plane is None, "grasp": cell.plane is None and not in_tip}
         match keys:
             case "posture", int(joint):
                 return [Place("posture", (joints + joint,), 1.0, -angle, angle)]
-            case "base" | "grasp" as name, "xyz", int(axis) if name == "base" or not looks:
+            case "base" | "grasp" as name, "xyz", int(axis):
                 return [Place("geometry", (frame + FRAME_SIZE * FRAMES.index(name) + 9 + axis,))]
             case "base" | "grasp" as name, "rpy", int(axis) if turns[name]:
                 return [Place("rpy", (robot, FRAMES.index(name), axis), 1.0, -angle, angle)]
