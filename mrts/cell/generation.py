@@ -7,10 +7,12 @@ Here and nowhere else the run time calls the build time (`mrts_codegen`).
 import hashlib
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from mrts.base import version
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
@@ -18,9 +20,9 @@ from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.record import read_json
 from mrts.base.formats.urdf import Urdf
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
-from mrts.base.regular_file import is_folder
+from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.remark import NEAREST_INERTIA, Remark
-from mrts.cell.cache_key import emitter_key, is_as_made, text_key
+from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
 from mrts.cell.robot import Robot
 from mrts.kernel.c_text import one_file
@@ -38,17 +40,24 @@ CELL_FILE = "cell.yaml"
 """What `mrts new` and `mrts demo` call a cell file."""
 
 
+SHAPING = (
+    *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_text.py", "base/load_box.py"),
+    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/motors.py", "cell/points.py"),
+    "cell/cell_file.py",
+)
+"""Files of mrts that decide what a manifest says."""
+
+
 def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     """Manifest and C file of a cell, made unless the cache holds them.
 
     All cells with the same chains share one C file, whatever the numbers in their cell files.
     """
-    text = text_key(path)
-    described = cache_folder("cells", text) / MANIFEST_NAME
+    described = _described(path)
     manifest = _manifest_as_made(path, described)
     if manifest is None:
         manifest = _manifest(cell_model(path))
-        if text_key(path) == text and is_as_made(path, manifest.cell):  # else a file was written meanwhile
+        if _described(path) == described and is_as_made(path, manifest.cell):  # else a file was written meanwhile
             write_text_atomically(described, manifest.to_json(), private=True)
     return manifest, _source_in_cache(manifest)
 
@@ -104,6 +113,46 @@ def _source_in_cache(manifest: CellManifest) -> Path:
 
 def _chains_folder(key: str) -> Path:
     return cache_folder("chains", key, emitter_key())
+
+
+def _described(path: Path) -> Path:
+    """Where the cache keeps the manifest of a cell file: it is the same while its text, what reads it, and URDFs are."""
+    text = read_regular(path, "cell file", MAX_YAML_BYTES)
+    return cache_folder("cells", hashlib.sha256(emitter_key().encode() + text).hexdigest()) / MANIFEST_NAME
+
+
+def is_as_made(path: Path, record: CellRecord) -> bool:
+    """Whether the files that a cell file names hold what the record of a cell was made from."""
+    folder = path.resolve().parent
+    sources = [robot.source for robot in record.robots]
+    known = [(FileReference(source.urdf), source.sha256) for source in sources]
+    known += [(FileReference(one.joint_limits[0]), one.joint_limits[1]) for one in sources if one.joint_limits]
+    known += [(FileReference(file, what="mesh"), surface.sha256) for file, surface in record.surfaces.items()]
+    try:
+        return all(reference.sha256(path, folder) == made for reference, made in known)
+    except InputError:
+        return False
+
+
+@cache
+def emitter_key() -> str:
+    """Hash of what reads cells and emits functions: mrts_codegen and CasADi's version."""
+    package = Path(version.__file__).parents[1]
+    shaping = [source for pattern in SHAPING for source in package.glob(pattern)]
+    folder = _package_folder("mrts_codegen")
+    ours = [source for source in folder.rglob("*.py") if source.parent.name != "embedded"]
+    casadi = sorted(path.name for path in _package_folder("casadi").parent.glob("casadi-*"))  # with its version
+    digest = hashlib.sha256("\n".join([*casadi, version.__version__]).encode())
+    for source in sorted([*ours, *shaping]):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _package_folder(name: str) -> Path:
+    found = find_spec(name)
+    if found is None or found.origin is None:
+        raise InputError(name, "is not installed: pip install mrts.")
+    return Path(found.origin).parent
 
 
 def generate_to(path: Path, folder: Path | None) -> tuple[CellManifest, Path]:
@@ -180,7 +229,7 @@ def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
 
 def read_to_generate(path: Path) -> Any | None:
     """A cell with its URDFs that is still to be generated and compiled; None where the cache holds it."""
-    if _manifest_as_made(path, cache_folder("cells", text_key(path)) / MANIFEST_NAME) is not None:
+    if _manifest_as_made(path, _described(path)) is not None:
         return None
     cell = cell_model(path)
     return cell if _chains_in_cache(cell)[1] is None else None

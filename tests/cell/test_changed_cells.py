@@ -13,7 +13,7 @@ from conftest import DATA
 from same_cells import same_cell
 
 import mrts
-from mrts.cell import cache_key, generation
+from mrts.cell import generation
 
 pytestmark = pytest.mark.quick
 
@@ -130,4 +130,4 @@ def test_two_folders_with_one_text_and_two_urdfs_are_two_cells(copied):
 
 def test_whatever_decides_what_a_manifest_says_is_in_its_key():
     package = Path(mrts.__file__).parent
-    assert [pattern for pattern in cache_key.SHAPING if not list(package.glob(pattern))] == []
+    assert [pattern for pattern in generation.SHAPING if not list(package.glob(pattern))] == []
