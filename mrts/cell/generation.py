@@ -116,7 +116,7 @@ def _chains_folder(key: str) -> Path:
 
 
 def _described(path: Path) -> Path:
-    """Where the cache keeps the manifest of a cell file: it is the same while its text, what reads it, and URDFs are."""
+    """Where the cache keeps the manifest of a cell file, which is the same while its text and what reads it are."""
     text = read_regular(path, "cell file", MAX_YAML_BYTES)
     return cache_folder("cells", hashlib.sha256(emitter_key().encode() + text).hexdigest()) / MANIFEST_NAME
 

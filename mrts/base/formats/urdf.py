@@ -2,7 +2,6 @@
 """What a URDF says before anybody has chosen a chain of it."""
 
 from dataclasses import dataclass
-from math import cos, sin
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.rigid_transform import RigidTransform, snap_rotation
+from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors, snap_rotation
 
 NO_LIMIT = 1e9
 """A limit of this size or more (1e16, the largest float, inf) says "none" [rad, m, N m, N, rad/s, m/s]: no motor gives
@@ -110,7 +109,7 @@ class UrdfJoint:
             return self.origin
         if self.kind == "prismatic":
             return self.origin @ RigidTransform(np.eye(3), position * self.axis)
-        return self.origin @ RigidTransform(_rotation_about(self.axis, position), np.zeros(3))
+        return self.origin @ RigidTransform(snap_rotation(rotations_from_vectors(position * self.axis)), np.zeros(3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,11 +133,3 @@ class Urdf:
             joints.insert(0, self.joints[link])
             link = joints[0].parent
         return joints
-
-
-def _rotation_about(axis: Array, angle: float) -> Array:
-    """Rodrigues' formula, Shape (3, 3)."""
-    c, s = cos(angle), sin(angle)
-    x, y, z = axis
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return snap_rotation(c * np.eye(3) + s * skew + (1 - c) * axis[:, None] * axis[None, :])
