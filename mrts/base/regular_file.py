@@ -22,13 +22,8 @@ FILES_READ: set[str] = set()
 is_folder, is_file = os.path.isdir, os.path.isfile
 """Of a path that a user names: one that no file can have, such as a name that is too long, is none of them."""
 
-KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a pipe"),
-    (stat.S_ISSOCK, "a socket"),
-    (stat.S_ISCHR, "a device"),
-    (stat.S_ISBLK, "a device"),
-)
+KINDS = {"d": "a folder", "p": "a pipe", "s": "a socket", "c": "a device", "b": "a device"}
+"""By the first letter of `stat.filemode`."""
 
 
 @contextmanager
@@ -63,7 +58,7 @@ def read_regular(path: Path, what: str, most: int) -> bytes:
 
 def _require_regular(path: Path, what: str, status: os.stat_result, most: int) -> None:
     if not stat.S_ISREG(status.st_mode):
-        kind = next((name for holds, name in KINDS if holds(status.st_mode)), "no file")
+        kind = KINDS.get(stat.filemode(status.st_mode)[0], "no file")
         advice = "" if kind == "a folder" else " Copy what it gives into one."
         raise InputError(path, f"is {kind}; a {what} is a regular file.{advice}")
     if status.st_size > most:

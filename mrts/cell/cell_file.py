@@ -263,22 +263,21 @@ class CellDescription(Record):
     robots: Annotated[list[RobotDescription], Rule(min_length=1)]
 
     @property
-    def references(self) -> list[FileReference]:
-        """What it says of all files that it names."""
-        limits = [robot.joint_limits for robot in self.robots if robot.joint_limits]
-        shapes: list[tuple[str, BodyShape | None]] = [("object.shape", self.object.shape)]
-        around = [(f"surroundings[{at}]", of) for at, of in enumerate(self.surroundings)]
-        meshes, others = (
-            [FileReference(of.mesh, f"{key}.mesh", "mesh") for key, of in some if of is not None and of.mesh]
-            for some in (shapes, around)
-        )
-        named = [FileReference(text, "robots[].joint_limits", "joint limits file") for text in limits]
-        return [*self.urdf_references, *meshes, *named, *others]
-
-    @property
-    def urdf_references(self) -> list[FileReference]:
-        """What it says of the URDF of each robot."""
-        return [FileReference(one.urdf, f"robots[{at}] ({one.name}).urdf") for at, one in enumerate(self.robots)]
+    def references(self) -> dict[tuple[str | int, ...], FileReference]:
+        """What it says of all files that it names, by the keys on the way there."""
+        found: dict[tuple[str | int, ...], FileReference] = {}
+        for at, robot in enumerate(self.robots):
+            key = f"robots[{at}] ({robot.name})"
+            found["robots", at, "urdf"] = FileReference(robot.urdf, f"{key}.urdf")
+            if robot.joint_limits is not None:
+                limits = FileReference(robot.joint_limits, f"{key}.joint_limits", "joint limits file")
+                found["robots", at, "joint_limits"] = limits
+        if self.object.shape is not None and self.object.shape.mesh is not None:
+            found["object", "shape", "mesh"] = FileReference(self.object.shape.mesh, "object.shape.mesh", "mesh")
+        for at, body in enumerate(self.surroundings):
+            if body.mesh is not None:
+                found["surroundings", at, "mesh"] = FileReference(body.mesh, f"surroundings[{at}].mesh", "mesh")
+        return found
 
     def problem(self) -> str:
         """The rule that its robots' names break; empty if none."""
@@ -294,9 +293,10 @@ class CellDescription(Record):
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     """URDF and base link (None is its root) of every robot of a cell file, by name."""
     description = read_cell_description(path)
+    references, folder = description.references, path.resolve().parent
     return {
-        robot.name: (reference.path(path, path.resolve().parent), robot.base_link)
-        for robot, reference in zip(description.robots, description.urdf_references, strict=True)
+        robot.name: (references["robots", at, "urdf"].path(path, folder), robot.base_link)
+        for at, robot in enumerate(description.robots)
     }
 
 

@@ -23,7 +23,6 @@ from mrts.base.yaml_text import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.cell_file import OF_ARM, POSES, CellDescription, ObjectDescription, RobotDescription, robot_values
 from mrts.cell.generation import described_model
-from mrts.cell.hands import numbered
 from mrts.cell.motors import RATINGS
 from mrts.cell.number_paths import Keys, find_keys, set_value
 from mrts.cell.points import LinkPointLimit, ObjectRates
@@ -81,8 +80,6 @@ def _robot(robot: Robot) -> dict[str, Any]:
     acceleration = {side: without_infinity(getattr(robot, f"acceleration_{side}")) for side in ("lower", "upper")}
     alike = np.array_equal(robot.acceleration_lower, -robot.acceleration_upper)
     points = [{key: getattr(one, key) for key in LinkPointLimit.model_fields} for one in robot.point_limits]
-    for point, unnamed in zip(points, numbered([one.link for one in robot.point_limits]), strict=True):
-        point["name"] = None if point["name"] == unnamed else point["name"]
     per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", *RATINGS)}
     return {
         "name": robot.name,
@@ -190,7 +187,7 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
     model = described_model(parse_yaml(text), beside or cell.folder, str(where))
     _check_same(where, cell, model.record)
     if target is not None:
-        files = (reference.path(where, target.resolve().parent) for reference in model.description.references)
+        files = (reference.path(where, target.resolve().parent) for reference in model.description.references.values())
         if any(file.resolve() == target.resolve() for file in files):
             raise InputError(target, "is a file that the cell names, its URDF or mesh. Choose another name.")
         write_text_atomically(target, text)

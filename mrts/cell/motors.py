@@ -2,7 +2,7 @@
 """The motors of one arm, seen from the joint side of their gears, and what a motion asks of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Self
 
@@ -170,10 +170,6 @@ class JointDuty:
     torque_rate_share: Array
     jerk: Array
     jerk_share: Array
-
-    def to_json(self) -> dict[str, list[float]]:
-        """One list a quantity, a number a joint."""
-        return {entry.name: getattr(self, entry.name).tolist() for entry in fields(self)}
 
 
 def joint_duty(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.formats.record import dumped
 from mrts.cell.cell import Cell
 from mrts.cell.motors import JointDuty, joint_duty
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
@@ -187,7 +188,7 @@ class ScaledTrajectory:
             "internal_wrench": by_robot(wrenches, self.internal_wrench),
             "power": by_robot(joints, self.power),
             "energy": self.energy,
-            "joint_duty": {name: duty.to_json() for name, duty in self.duty.items()},
+            "joint_duty": dumped(self.duty),
         }
         return output | ({"torque_friction": by_robot(joints, self.friction)} if self.has_friction else {})
 

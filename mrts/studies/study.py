@@ -328,13 +328,7 @@ def read_study(path: Path | str) -> Study:
 
 
 def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
-    robots, around = given["robots"], given.get("surroundings") or []
-    named: list[Keys] = [("robots", at, "urdf") for at in range(len(robots))]
-    if (given["object"].get("shape") or {}).get("mesh"):
-        named.append(("object", "shape", "mesh"))
-    named += [("robots", at, "joint_limits") for at, robot in enumerate(robots) if robot.get("joint_limits")]
-    named += [("surroundings", at, "mesh") for at, one in enumerate(around) if one.get("mesh")]
-    for keys, reference in zip(named, read_cell_description(path).references, strict=True):
+    for keys, reference in read_cell_description(path).references.items():
         folder = path.resolve().parent
         file = str(reference.path(path, folder).absolute())
         yield StudyFile(keys, value_at(given, keys), file, reference.content(path, folder))

@@ -26,7 +26,7 @@ def read(kind: str, path: Path) -> None:
     if kind == "cell":
         from mrts.cell.cell_file import read_cell_description  # noqa: PLC0415 (not before it is needed)
 
-        for reference in read_cell_description(path).references:
+        for reference in read_cell_description(path).references.values():
             reference.sha256(path, path.parent)
     elif kind == "urdf":
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
