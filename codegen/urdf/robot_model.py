@@ -11,7 +11,7 @@ from mrts_codegen.urdf.link_inertia import Inertia, is_point, link_inertia
 
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.urdf import NO_LIMIT, Link, Urdf, UrdfJoint
+from mrts.base.formats.urdf import NO_LIMIT, Urdf, UrdfJoint
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
@@ -256,21 +256,6 @@ def _chain(path: Path, urdf: Urdf, base_link: str, tip_link: str) -> list[UrdfJo
     if base_link not in place:
         raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
     return joints[len(joints) - place.index(base_link) :]
-
-
-def urdf_mistakes(
-    path: Path, links: dict[str, Link], joints: list[UrdfJoint]
-) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
-    """What breaks a rule in the masses and the joints of a URDF, on any chain or none, and what is let pass."""
-    mistakes, remarks = Mistakes(), list[Remark]()
-    for link in links.values():
-        with mistakes.noted():
-            link_inertia(path, link, remarks)
-    for joint in joints:
-        with mistakes.noted():
-            if joint.moves:
-                joint.check(path)
-    return tuple(mistakes.found), tuple(remarks)
 
 
 def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:

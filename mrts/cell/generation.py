@@ -21,7 +21,7 @@ from mrts.base.formats.record import read_json
 from mrts.base.formats.urdf import Urdf
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
 from mrts.base.regular_file import is_folder, read_regular
-from mrts.base.remark import NEAREST_INERTIA, Remark
+from mrts.base.remark import NEAREST_INERTIA
 from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
 from mrts.cell.robot import Robot
@@ -268,31 +268,13 @@ def urdf_of(robot: Robot, folder: Path) -> Path:
     return FileReference(robot.source.urdf).path(folder / CELL_FILE, folder)
 
 
-def read_urdf(
-    where: Path, folder: Path, urdf: str
-) -> tuple[Path, Urdf | None, tuple[InputError, ...], tuple[Remark, ...]]:
-    """A URDF with all that is wrong with it.
-
-    Returns:
-        Its path; its links and joints, None if they are none; all that breaks a rule; what is let pass.
-
-    Raises:
-        InputError: If it names a package that is nowhere.
-    """
-    from mrts_codegen.urdf.robot_model import urdf_mistakes  # noqa: PLC0415
-    from mrts_codegen.urdf.urdf_file import parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
+def read_urdf(where: Path, folder: Path, urdf: str) -> tuple[Path, Urdf]:
+    """Path, links and joints of a URDF, which is named relative to a folder, or in a package."""
+    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415 (build time, on demand)
 
     reference = FileReference(urdf, key="")
     path = reference.path(where, folder)
-    try:
-        content = reference.content(where, folder)
-        mistakes, remarks = urdf_mistakes(path, *parse_parts(path, content))
-    except InputError as error:
-        return path, None, error.each(), ()
-    try:
-        return path, parse_urdf(path, content), mistakes, remarks
-    except InputError as error:
-        return path, None, (*error.each(), *mistakes), remarks
+    return path, parse_urdf(path, reference.content(where, folder))
 
 
 def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:

@@ -194,7 +194,7 @@ def check_movable(arm: Arm, plane: str | None) -> None:
 
 
 def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
-    files = {robot: _read(robot) for robot in robots}
+    files = {robot: read_urdf(Path(ROBOT), Path.cwd(), robot) for robot in robots}
     read = [files[robot] for robot in robots]  # two of a kind are read once
     if tips:
         places = [0] * len(tips) if len(read) == 1 else list(range(len(read)))
@@ -222,13 +222,6 @@ def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
                 raise InputError(robots[at], rule)
             found += [_Chosen(at, robots[at], *read[at], tip, seen[tip]) for tip in sorted(seen, key=side_of)]
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
-
-
-def _read(robot: str) -> tuple[Path, Urdf]:
-    path, urdf, mistakes, _ = read_urdf(Path(ROBOT), Path.cwd(), robot)
-    if urdf is None:
-        raise mistakes[0].with_others(mistakes[1:])
-    return path, urdf
 
 
 def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:
