@@ -35,7 +35,7 @@ def run(result: Path, output: Path) -> int:
 
 
 def _report_study(folder: Path, output: Path) -> int:
-    from mrts.plots.study_table import outcome_text, read_study_table
+    from mrts.plots.study_plots import outcome_text, read_study_table
     from mrts.report import write_report
 
     found = read_study_table(folder)

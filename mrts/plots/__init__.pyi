@@ -9,9 +9,9 @@ from mrts.plots.plan_plots import simulation_plot as simulation_plot
 from mrts.plots.range_plots import load_plot as load_plot
 from mrts.plots.range_plots import range_plot as range_plot
 from mrts.plots.study_plots import durations_plot as durations_plot
+from mrts.plots.study_plots import managed_texts as managed_texts
 from mrts.plots.study_plots import numbers_plot as numbers_plot
-from mrts.plots.study_table import managed_texts as managed_texts
-from mrts.plots.study_table import read_study_table as read_study_table
+from mrts.plots.study_plots import read_study_table as read_study_table
 from mrts.plots.trajectory_plots import limits_plot as limits_plot
 from mrts.plots.trajectory_plots import power_plot as power_plot
 from mrts.plots.trajectory_plots import result_plots as result_plots

@@ -37,12 +37,8 @@ PANEL_INCHES, ALONE_INCHES = 2.4, 3.6
 NAME_INCHES, LABEL_INCHES = 0.21, 0.6
 """Height of a row of names, and of what stands below and above a panel."""
 
-LETTER_INCHES = 0.075
 NARROW_LABEL = 36
 """Letters of the name of an axis, where panels stand beside each other."""
-
-NAME_LETTERS = 72
-"""Of a name beside a row, which makes the figure wider beyond `LONGEST_LABEL`."""
 
 BEHIND_TEXT = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
 
@@ -50,9 +46,7 @@ BEHIND_TEXT = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": 
 def matplotlib_figure(plot: Plot) -> Figure:
     """The plot as a figure of matplotlib, to be changed before it is written or shown."""
     columns = max(map(len, plot.rows))
-    longest = max((len(name) for row in plot.rows for name in row[0].y.names), default=0)
     width = max(ALONE_WIDTH, COLUMN_WIDTH * columns)
-    width += LETTER_INCHES * max(min(longest, NAME_LETTERS) - LONGEST_LABEL, 0)
     figure = Figure(layout="constrained")
     title = [textwrap.fill(line, int(13 * width), subsequent_indent="    ") for line in plot.title.splitlines()]
     figure.suptitle(_plain("\n".join(title)), fontsize="small", x=0.01, ha="left")
@@ -148,7 +142,7 @@ def _draw(axes: Axes, panel: Panel, longest: int, *, labelled: bool) -> None:
     for item in panel.drawn:
         _add(axes, item)
     if panel.y.names:
-        labels = [_label(name, NAME_LETTERS) for name in panel.y.names]
+        labels = [_label(name) for name in panel.y.names]
         ticks = axes.set_yticks(range(len(labels)), labels, fontsize="small")
         for tick, color, strong in zip(ticks, panel.y.colors, panel.y.strong, strict=True):
             tick.label1.set(color=color, fontweight="bold" if strong else "normal")

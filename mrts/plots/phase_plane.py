@@ -29,10 +29,16 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
         label = f"fastest, {found.duration:.4g} s"
         if smooth is not None:
             label = f"fastest without limits of rates, {smooth.bound:.4g} s"
-        lines.append(_line(label, way(fastest), _speeds(fastest), COLOURS[1]))
+        lines.append(_line(label, way(fastest), [part.arc_speed for part in fastest], COLOURS[1]))
     if smooth is not None:
         lines.append(
-            _line(f"{smooth.what}, {found.duration:.4g} s", along, _speeds(found.pieces), COLOURS[4], width=2.4)
+            _line(
+                f"{smooth.what}, {found.duration:.4g} s",
+                along,
+                [part.arc_speed for part in found.pieces],
+                COLOURS[4],
+                width=2.4,
+            )
         )
     if best.c2 is not None:
         speeds = [np.sqrt(best.c2) * part.piece.speed for part in found.pieces]
@@ -62,10 +68,6 @@ def played_way(found: RetimingResult) -> Array:
     """Way along the path at the samples of the retimed motion, Shape (N,)."""
     first, *others = way(found.pieces)
     return np.concatenate([first, *(part[1:] for part in others)])
-
-
-def _speeds(pieces: Sequence[TimedPiece]) -> list[Array]:
-    return [part.arc_speed for part in pieces]
 
 
 def _most(pieces: Sequence[FastestPiece], top: float) -> list[Item]:

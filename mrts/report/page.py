@@ -8,7 +8,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.plots import phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.plan_plots import simulation_plot
-from mrts.plots.study_table import StudyTable
+from mrts.plots.study_plots import StudyTable
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
@@ -85,7 +85,4 @@ def _notes(result: ScalingResult) -> list[str]:
     notes = [warning.text for warning in result.warnings]
     if result.fallbacks:
         notes.append(fallbacks_text(result.fallbacks))
-    if result.load is not None and result.load.not_converged:
-        count = len(result.load.not_converged)
-        notes.append(f"at {count} samples the search over loads was not verified: the range of a corner stands there")
     return notes

@@ -5,18 +5,13 @@ import numpy as np
 
 from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
-from mrts.plots import study_table as words
-from mrts.plots.study_plots import durations_plot, numbers_plot
-from mrts.plots.study_table import OUTCOMES, StudyTable, percent
+from mrts.plots import study_plots as words
+from mrts.plots.study_plots import OUTCOMES, StudyTable, durations_plot, numbers_plot, percent
 from mrts.report.document import document
-from mrts.report.tables import Entry, Styled, Table, bar, more
+from mrts.report.tables import Entry, Styled, Table, bar
 
 MOST_BEST = 10
 """Rows of the table of the best variants."""
-
-MOST_REASONS = 12
-MOST_LIMITS = 15
-"""Rows of the tables of reasons and limits; the rest is counted."""
 
 
 def study_html(found: StudyTable) -> str:
@@ -50,8 +45,8 @@ def _best_table(found: StudyTable) -> Table:
 
 def _limits_table(found: StudyTable) -> Table:
     counts, total = found.limit_counts(found.admitted), int(np.sum(found.admitted))
-    rows = [(name, bar(count / total)) for name, count in counts[:MOST_LIMITS]]
-    return Table(("limit at c²⁺", "of all that can be played"), rows, more(len(counts) - MOST_LIMITS, "limits"))
+    rows = [(name, bar(count / total)) for name, count in counts]
+    return Table(("limit at c²⁺", "of all that can be played"), rows)
 
 
 def _outcomes_table(found: StudyTable) -> Table:
@@ -61,7 +56,5 @@ def _outcomes_table(found: StudyTable) -> Table:
 
 
 def _reasons_table(found: StudyTable) -> Table:
-    reasons = found.reasons()
-    rows = [(outcome, Styled(reason, "prose"), str(count)) for outcome, reason, count in reasons[:MOST_REASONS]]
-    head = ("outcome", "reason of the first", "variants alike")
-    return Table(head, rows, more(len(reasons) - MOST_REASONS, "reasons"))
+    rows = [(outcome, Styled(reason, "prose"), str(count)) for outcome, reason, count in found.reasons()]
+    return Table(("outcome", "reason of the first", "variants alike"), rows)

@@ -10,9 +10,6 @@ from mrts.plots.card import Card
 from mrts.program.infeasibility import Conflict
 from mrts.scaling.result import ScalingResult
 
-MOST_CONFLICTS = 10
-"""Rows of the table of conflicts; the rest is counted."""
-
 DECIMALS = 9
 """Of numbers in SI units: what is less is left over from sums of larger terms."""
 
@@ -30,21 +27,15 @@ Entry: TypeAlias = "str | Styled | tuple[Entry, ...]"
 
 
 class Table(NamedTuple):
-    """Titles of the columns, rows, and what is left out."""
+    """Titles of the columns, and rows."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[Entry]]
-    more: str = ""
 
 
 def bar(share: float, digits: int = 0, style: str = "") -> Styled:
     """A share as a bar with its percentage."""
     return Styled(f"{100 * share:.{digits}f} %", style, share)
-
-
-def more(count: int, what: str) -> str:
-    """How many are left out; empty if none are."""
-    return f"{count} more {what}" if count > 0 else ""
 
 
 def nearest_table(card: Card) -> Table:
@@ -109,7 +100,7 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Table:
         load = "" if conflict.load is None else f" with {conflict.load}"
         groups.setdefault(f"{sorted(map(str, conflict.rows))}{load}", []).append(conflict)
     rows: list[tuple[Entry, ...]] = []
-    for alike in list(groups.values())[:MOST_CONFLICTS]:
+    for alike in groups.values():
         worst = alike[0]
         moves = zip(worst.rows, worst.moves, strict=True)
         named = tuple(f"{row}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
@@ -122,5 +113,4 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Table:
         rows.append((when, f"{100 * worst.widening:.3g} %", named, load))
     head = ("t", "all limits wider by", "these conflict, and how far each would have to move", "load")
     with_load = any(row[-1] for row in rows)
-    rest = more(len(groups) - MOST_CONFLICTS, "sets of limits that conflict")
-    return Table(head if with_load else head[:-1], rows if with_load else [row[:-1] for row in rows], rest)
+    return Table(head if with_load else head[:-1], rows if with_load else [row[:-1] for row in rows])

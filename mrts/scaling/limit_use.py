@@ -128,11 +128,6 @@ class LimitedQuantities:
         """Which have a limit on some side, Shape (k,)."""
         return np.asarray(np.any(np.isfinite(self.lower) | np.isfinite(self.upper), axis=0))
 
-    @property
-    def excess(self) -> Array:
-        """How far each is beyond its limits, in units, below 0 within them, Shape (N, k)."""
-        return np.asarray(np.maximum(self.lower - self.values, self.values - self.upper) / self.unit, dtype=np.float64)
-
     def only(self, chosen: Sequence[bool] | NDArray[np.bool_]) -> Self:
         """Some of the quantities, chosen by Shape (k,)."""
         own = np.flatnonzero(chosen)
@@ -166,7 +161,7 @@ class LimitedQuantities:
 
 def limit_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
     """What a trajectory makes of each quantity that can be limited, velocities enforced or not, in their order."""
-    return all_quantities(done, driven=True).uses(done.time)
+    return all_quantities(done).uses(done.time)
 
 
 def _told_apart(share: Array | float) -> Array:
@@ -204,18 +199,17 @@ def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> Limite
     return chosen
 
 
-def all_quantities(done: "ScaledTrajectory", *, driven: bool = False) -> LimitedQuantities:
+def all_quantities(done: "ScaledTrajectory") -> LimitedQuantities:
     """What rows limit, with what the limits of torque-speed lines are at the speed of each sample.
 
-    Where `driven`, such a line is no limit on the side on which the motor brakes.
+    Such a line is no limit on the side on which the motor brakes.
     """
     rows = all_rows(done.cell, done.motion)
     values = rows.value(done.torque, done.wrench, 0.0, done.c)
     lines = np.array([name.kind == TORQUE_SPEED for name in rows.names], dtype=bool)
     moving = np.zeros_like(values) if rows.speed is None else np.where(lines, rows.speed * done.c, 0.0)
-    lower, upper = rows.lower - moving, rows.upper - moving
-    if driven:
-        lower, upper = np.where(moving > 0, -np.inf, lower), np.where(moving < 0, np.inf, upper)
+    lower = np.where(moving > 0, -np.inf, rows.lower - moving)
+    upper = np.where(moving < 0, np.inf, rows.upper - moving)
     found = LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units)
     return _without_sides(found)
 

@@ -203,15 +203,7 @@ class ScalingResult(Result):
         return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Range and chosen speed, then what is made of each limited quantity."""
-        rows = [("outcome", self.status.value)]
-        if self.status.admits_motion:
-            rows.append(("range of c²", self.range.text()))
-        if self.trajectory is not None:
-            given = self.motion.object.time[-1]
-            rows.append(("chosen c²", f"{self.c2:.4g}"))
-            rows.append(("duration", f"{self.duration:.4g} s, as given {given:.4g} s"))
-        yield NotebookTable(("", ""), rows)
+        """What is made of each limited quantity."""
         yield self.limits_table()
 
     @property

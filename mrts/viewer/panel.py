@@ -89,7 +89,8 @@ def speed_html(state: PlayerState | None) -> str:
     passed, found = state.violations(), state.result.range
     interval = f" {found.text()}" if found.status.admits_motion and state.timing is None else ""
     if fast := sum(
-        name.kind == "velocity" and f"{name.robot}/{name.element}" in done.cell.joint_names for name, _, _ in passed
+        use.name.kind == "velocity" and f"{use.name.robot}/{use.name.element}" in done.cell.joint_names
+        for use in passed
     ):
         text += f"{fast} of {done.q.shape[1]} joints beyond their velocity limit. "
     if state.admissible:
@@ -101,7 +102,8 @@ def speed_html(state: PlayerState | None) -> str:
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", red=True)
     text += f"{over} of {samples} samples beyond a limit (red): "
     text += "; ".join(
-        f"{html_text(name.short)} by {100 * excess:.3g} % at {time:.3g} s" for name, excess, time in passed[:MOST_NAMED]
+        f"{html_text(use.name.short)} by {100 * (use.share - 1):.3g} % at {use.time:.3g} s"
+        for use in passed[:MOST_NAMED]
     )
     text += f"; and {len(passed) - MOST_NAMED} more. " if len(passed) > MOST_NAMED else ". "
     if state.result.options.sharing is not None or len(state.result.cell.robots) == 1:

@@ -19,7 +19,6 @@ from mrts.collisions.bodies import tip_at_posture
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.limits import limit_rows
-from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.plots.card import Card, answer_card
@@ -28,7 +27,7 @@ from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import motion_torques, torque_weights, torques_by_blocks
 from mrts.program.widening import widening_at
-from mrts.scaling.limit_use import all_quantities
+from mrts.scaling.limit_use import LimitUse, by_share, limit_uses
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
@@ -177,12 +176,9 @@ class PlayerState:
         """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
         return self.played_timing is not None or _admits(self.result, self.trajectory.c2)
 
-    def violations(self) -> list[tuple[RowName, float, float]]:
-        """Limits that are passed at some sample, the worst first: by which share at most, and when [s]."""
-        limited = all_quantities(self.trajectory)
-        worst, times = np.max(limited.excess, axis=0), self.trajectory.time[np.argmax(limited.excess, axis=0)]
-        found = zip(limited.rows, worst.tolist(), times.tolist(), strict=True)
-        return sorted((one for one in found if one[1] > LIMIT_TOLERANCE), key=lambda one: -one[1])
+    def violations(self) -> list[LimitUse]:
+        """Limits that are passed at some sample, the worst first."""
+        return [use for use in by_share(limit_uses(self.trajectory)) if use.share > 1 + LIMIT_TOLERANCE]
 
 
 def play(

@@ -8,7 +8,7 @@ from scipy.stats import binned_statistic
 
 from mrts.plots import durations_plot, matplotlib_figure, numbers_plot, write_plots
 from mrts.plots.plot import Line, Points
-from mrts.plots.study_table import managed
+from mrts.plots.study_plots import managed
 
 KINDS = kinds()
 

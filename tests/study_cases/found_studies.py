@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow as pa
 
-from mrts.plots.study_table import Knob, study_table
+from mrts.plots.study_plots import Knob, study_table
 
 ELBOW, FORCE = "right/elbow ↑", "left/fx ↓"
 

@@ -116,10 +116,10 @@ def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_tur
     assert state.violations() == []
     state = state.at_speed(state.speeds.upper)
     named = state.violations()
-    assert named[0][0].kind == "velocity"
-    assert [excess for _, excess, _ in named] == sorted((excess for _, excess, _ in named), reverse=True)
-    assert named[0][1] == pytest.approx(state.excess.max(), rel=1e-12)
-    assert f"{html_text(named[0][0].short)} by 20 % at {named[0][2]:.3g} s" in speed_html(state)
+    assert named[0].name.kind == "velocity"
+    assert [use.share for use in named] == sorted((use.share for use in named), reverse=True)
+    assert named[0].share - 1 == pytest.approx(state.excess.max(), rel=1e-12)
+    assert f"{html_text(named[0].name.short)} by 20 % at {named[0].time:.3g} s" in speed_html(state)
     free = dual_ur5.without_velocity_limits()
     passed = [
         use for use in mrts.scale(free, lift_and_turn).limit_uses if use.name.kind == "velocity" and use.share > 1
