@@ -3,12 +3,12 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,32 +61,20 @@ MOST_VALUES = 120
 """Different values of a number that are drawn one by one; of more, neighbours share a point."""
 
 
-class Knob(NamedTuple):
-    """A number that a study varies: the column of its values, and its unit."""
-
-    path: str
-    unit: str
-
-    @property
-    def title(self) -> str:
-        """Path and unit."""
-        return f"{self.path} [{self.unit}]" if self.unit else self.path
-
-
 @dataclass(frozen=True, eq=False)
 class StudyTable:
     """The variants of a study that are solved: V of them, each with P numbers of its own.
 
     Attributes:
         name: Of the study.
-        knobs: What was varied, P of them.
+        titles: What was varied, P of them: column and unit, by column.
         planned: How many variants the study has.
-        rows: `pandas.DataFrame` with the columns `READ` and those of the knobs; texts are categories.
+        rows: `pandas.DataFrame` with the columns `READ` and those of what varies; texts are categories.
         asked: What was asked of each variant, in words.
     """
 
     name: str
-    knobs: tuple[Knob, ...]
+    titles: Mapping[str, str]
     planned: int
     rows: Any
     asked: Mapping[str, str] = field(default_factory=dict)
@@ -99,7 +87,7 @@ class StudyTable:
     @cached_property
     def values(self) -> Array:
         """Numbers of the variants, Shape (V, P)."""
-        return np.asarray(self.rows[[knob.path for knob in self.knobs]].to_numpy(), dtype=np.float64)
+        return np.asarray(self.rows[[*self.titles]].to_numpy(), dtype=np.float64)
 
     @cached_property
     def duration(self) -> Array:
@@ -161,8 +149,9 @@ def read_study_table(folder: Path) -> StudyTable:
     """
     opened = read_study_folder(folder)
     study = opened.record["study"]
-    knobs = [Knob(each["path"], each["unit"]) for each in study["vary"]]
-    found = opened.table([*READ, *(knob.path for knob in knobs)])
+    paths = {each["path"]: each["unit"] for each in study["vary"]}
+    titles = {path: f"{path} [{unit}]" if unit else path for path, unit in paths.items()}
+    found = opened.table([*READ, *titles])
     if not found.num_rows:
         raise InputError(folder, "no variant of this study is solved yet: let mrts sweep go on.")
     asked = {
@@ -171,13 +160,13 @@ def read_study_table(folder: Path) -> StudyTable:
         "points": study["sample"] + ("" if study["sample"] == "grid" else f", seed {study['seed']}"),
         **{name: str(value) for name, value in study["question"].items() if value not in {None, False}},
     }
-    return study_table(found, study["cell"]["name"], knobs, opened.variants, asked)
+    return study_table(found, study["cell"]["name"], titles, opened.variants, asked)
 
 
 def study_table(
-    found: "pa.Table", name: str, knobs: Sequence[Knob], planned: int, asked: Mapping[str, str] | None = None
+    found: "pa.Table", name: str, titles: Mapping[str, str], planned: int, asked: Mapping[str, str] | None = None
 ) -> StudyTable:
-    """The variants of a study from its columns `READ` and those of the knobs, a row each.
+    """The variants of a study from its columns `READ` and those of what varies, a row each.
 
     Raises:
         InputError: If a variant has no status that mrts gives.
@@ -189,7 +178,7 @@ def study_table(
         rule = f"is damaged: every variant has one of {', '.join(OUTCOMES)}."
         raise InputError(name, rule, key="status", value=min(strange, default=None))
     rows["status"] = rows["status"].cat.set_categories(list(OUTCOMES))
-    return StudyTable(name, tuple(knobs), planned, rows, asked or {})
+    return StudyTable(name, titles, planned, rows, asked or {})
 
 
 def outcome_text(table: StudyTable) -> str:
@@ -242,7 +231,9 @@ def percent(count: int, of: int) -> str:
 
 def numbers_plot(table: StudyTable) -> Plot:
     """The shortest duration over each number; where its values are no grid, the best of neighbours is drawn."""
-    panels = [_number_panel(table, number) for number in range(len(table.knobs))]
+    panels = [
+        _number_panel(table, name, values) for name, values in zip(table.titles.values(), table.values.T, strict=True)
+    ]
     rows = [panels[at : at + 2] for at in range(0, len(panels), 2)]
     return Plot(name="numbers", title=_title(table), rows=rows)
 
@@ -251,12 +242,11 @@ def _title(table: StudyTable, *remarks: str) -> str:
     return "\n".join([f"{table.name}: {outcome_text(table)}", best_text(table), *filter(None, remarks)])
 
 
-def _number_panel(table: StudyTable, number: int) -> Panel:
-    name, values = table.knobs[number].title, table.values[:, number]
+def _number_panel(table: StudyTable, name: str, values: Array) -> Panel:
     if not len(table.ranked):
         return Panel(x=Axis(label=name), note="no variant has a duration")
     places, group = np.unique(values, return_inverse=True)
-    in_grid = len(places) < table.variants or len(table.knobs) == 1
+    in_grid = len(places) < table.variants or len(table.titles) == 1
     most = MOST_VALUES if in_grid else min(MOST_VALUES, max(2, isqrt(table.variants)))
     if len(places) > most:
         edges = np.linspace(places[0], places[-1], most + 1)

@@ -33,7 +33,7 @@ def study_html(found: StudyTable) -> str:
 
 def _best_table(found: StudyTable) -> Table:
     """The best variants; no line of a limit breaks before its arrow."""
-    head = ("variant", "duration [s]", "c²⁺ [1]", *(knob.title for knob in found.knobs), "limited by")
+    head = ("variant", "duration [s]", "c²⁺ [1]", *found.titles.values(), "limited by")
     rows: list[tuple[Entry, ...]] = []
     for row in found.ranked[:MOST_BEST].tolist():
         c2 = f"{found.c2[row]:.4g}" if np.isfinite(found.c2[row]) else ""

@@ -62,6 +62,14 @@ def test_noise_that_sets_the_range(planar_cell, tmp_path, samples, noise, said, 
     assert off > 0.2 if said else off < 0.02
 
 
+def test_a_row_out_of_line_is_a_jump(planar_cell, tmp_path):
+    smooth = straight_lift()
+    heights = np.where(np.arange(101) == 40, 0.01, 0.0) + smooth.position[:, 1]
+    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights.tolist()), between=None)
+    (jump,) = [warning for warning in result.warnings if warning.code == "jump"]
+    assert jump.sample in {39, 40, 41}
+
+
 def test_a_warning_is_wherever_the_result_is(planar_cell, lift, tmp_path):
     cell = replace(planar_cell, remarks=(SAID,))
     result = mrts.scale(cell, lift)

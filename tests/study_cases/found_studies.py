@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow as pa
 
-from mrts.plots.study_plots import Knob, study_table
+from mrts.plots.study_plots import study_table
 
 ELBOW, FORCE = "right/elbow ↑", "left/fx ↓"
 
@@ -13,16 +13,16 @@ AWKWARD = "robots.<img src=x onerror=window.broken=1>$x$.of a long, long, long, 
 def found_study(values, duration, *, paths=None, planned=None, status=None, limit=ELBOW, reason="no way"):
     """A study as pictures take it; variants without a duration are infeasible where no status is given."""
     none = ~np.isfinite(duration)
-    knobs = [Knob(name, "m") for name in paths or [f"knob {number}" for number in range(values.shape[1])]]
+    titles = {name: f"{name} [m]" for name in paths or [f"knob {number}" for number in range(values.shape[1])]}
     columns = {"variant": pa.array(np.arange(len(values)))}
-    columns |= {knob.path: pa.array(column) for knob, column in zip(knobs, values.T, strict=True)}
+    columns |= {name: pa.array(column) for name, column in zip(titles, values.T, strict=True)}
     status = np.where(none, "infeasible", "feasible") if status is None else status
     for name, texts, missing in (("status", status, 0), ("reason", reason, ~none), ("upper_limit", limit, none)):
         of_all = np.broadcast_to(np.asarray(texts, dtype=object), len(values))
         columns[name] = pa.array(list(np.where(missing, None, of_all)), pa.string())
     columns["c2_upper"] = pa.array((0.8 / np.where(none, 1, duration)) ** 2, mask=none)
     columns["duration"] = pa.array(np.where(none, 0, duration), mask=none)
-    return study_table(pa.table(columns), "made_up", knobs, planned or len(values))
+    return study_table(pa.table(columns), "made_up", titles, planned or len(values))
 
 
 def grid_study(across=12, up=9, **texts):
