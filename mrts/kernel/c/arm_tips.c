@@ -39,42 +39,17 @@ typedef struct {
     int places;
 } mrts_joint_path;
 
-/* Places of all segments in a row, and what is known and found there. */
-typedef struct {
-    const mrts_joint_path *path;
-    const double *x, *u;    /* squared speed at the samples; half its slope at the start and at the end of each segment */
-    const double *geometry;
-    const long long *segments; /* those that are looked at, rising */
-    const int *components;  /* those of a twist that a wrench of the cell has */
-    /* Time from the first place of all on; rotations by columns, as generated functions want them. */
-    double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
-} mrts_places;
-
-/* Joints at some places, by the parameter of the path. */
-static void mrts_joints_at(const mrts_joint_path *path, const long long *segments, const long long *places,
-                                         mrts_lanes h, mrts_lanes at, mrts_lanes *q, mrts_lanes *dq, mrts_lanes *ddq) {
+/* Joints at some places, by the parameter of the path; `inside` are their places in their segments, h long. */
+static void mrts_joints_at(const mrts_joint_path *path, const long long *segments, const long long *inside, mrts_lanes h,
+                           mrts_lanes at, mrts_lanes *q, mrts_lanes *dq, mrts_lanes *ddq) {
+    enum { M = MRTS_JOINTS };
     mrts_lanes weight[12];
-    long long start[MRTS_LANES];
-    MRTS_UNROLL
-    for (int lane = 0; lane < MRTS_LANES; ++lane) {
-        const int place = (int)(places[lane] % path->places);
-        start[lane] = segments[lane] * MRTS_JOINTS;
-        for (int i = 0; i < 12; ++i) weight[i][lane] = path->weight[12 * place + i];
-    }
-    for (int i = 0; i < MRTS_JOINTS; ++i) {
-        mrts_lanes given[4], before, after, way = mrts_each(0), whole = way, rate = way, change = way;
-        MRTS_UNROLL
-        for (int lane = 0; lane < MRTS_LANES; ++lane) {
-            const long long here = start[lane] + i, next = here + MRTS_JOINTS;
-            before[lane] = path->q[here];
-            after[lane] = path->q[next];
-            given[0][lane] = path->dq[here];
-            given[1][lane] = path->ddq[here];
-            given[2][lane] = path->dq[next];
-            given[3][lane] = path->ddq[next];
-        }
-        given[1] *= h;
-        given[3] *= h;
+    for (int i = 0; i < 12; ++i) weight[i] = mrts_term(path->weight, inside, 12, i);
+    for (int i = 0; i < M; ++i) { /* those of the next sample stand M further */
+        const mrts_lanes before = mrts_term(path->q, segments, M, i), after = mrts_term(path->q, segments, M, M + i);
+        const mrts_lanes given[] = {mrts_term(path->dq, segments, M, i), mrts_term(path->ddq, segments, M, i) * h,
+                                    mrts_term(path->dq, segments, M, M + i), mrts_term(path->ddq, segments, M, M + i) * h};
+        mrts_lanes way = mrts_each(0), whole = way, rate = way, change = way;
         for (int j = 0; j < 4; ++j) {
             way += weight[j] * given[j];
             rate += weight[4 + j] * given[j];
@@ -99,12 +74,11 @@ static void mrts_rate_in_world(const mrts_arm *arm, const int *components, const
     }
 }
 
-/* The object that the first arm carries: its pose by rows, its rates in the world. */
-static void mrts_carried(const mrts_places *places, const mrts_lanes *geometry, const mrts_lanes *q, const mrts_lanes *dq,
-                                      const mrts_lanes *ddq, mrts_lanes *position, mrts_lanes *rotation, mrts_lanes *twist,
-                                      mrts_lanes *acceleration) {
+/* The object that the first arm carries: its pose, the rotation by columns, and its rates in the world. */
+static void mrts_carried(const mrts_arm *arm, const int *components, const mrts_lanes *geometry, const mrts_lanes *q,
+                         const mrts_lanes *dq, const mrts_lanes *ddq, mrts_lanes *position, mrts_lanes *rotation,
+                         mrts_lanes *twist, mrts_lanes *acceleration) {
     static const int first_joints[] = MRTS_FIRST_JOINTS;
-    const mrts_arm *arm = MRTS_ARM(places->geometry, 0);
     mrts_lanes tips[3 * MRTS_ROBOTS], turns[9 * MRTS_ROBOTS], J[MRTS_SIZE * MRTS_JOINTS], change[MRTS_SIZE * MRTS_ROBOTS];
     mrts_lanes sines[2 * MRTS_JOINTS], velocity[MRTS_SIZE], r[3], turning[3] = {mrts_each(0), mrts_each(0), mrts_each(0)};
     const mrts_lanes *const at[] = {q, geometry}, *const moving[] = {q, dq, geometry};
@@ -116,17 +90,17 @@ static void mrts_carried(const mrts_places *places, const mrts_lanes *geometry, 
     mrts_tip_by_joints(0, first_joints[1], J, dq, ddq, velocity, change);
     for (int i = 0; i < 3; ++i) { /* of the tip by columns, turned back by that of the grasp in the object */
         for (int j = 0; j < 3; ++j) {
-            rotation[3 * i + j] = turns[i] * arm->tip_rotation[3 * j] + turns[3 + i] * arm->tip_rotation[3 * j + 1] +
+            rotation[3 * j + i] = turns[i] * arm->tip_rotation[3 * j] + turns[3 + i] * arm->tip_rotation[3 * j + 1] +
                                   turns[6 + i] * arm->tip_rotation[3 * j + 2];
         }
     }
     for (int i = 0; i < 3; ++i) {
-        r[i] = rotation[3 * i] * arm->tip_position[0] + rotation[3 * i + 1] * arm->tip_position[1] +
-               rotation[3 * i + 2] * arm->tip_position[2];
+        r[i] = rotation[i] * arm->tip_position[0] + rotation[3 + i] * arm->tip_position[1] +
+               rotation[6 + i] * arm->tip_position[2];
         position[i] = tips[i] - r[i];
     }
-    mrts_rate_in_world(arm, places->components, velocity, twist);
-    mrts_rate_in_world(arm, places->components, change, acceleration);
+    mrts_rate_in_world(arm, components, velocity, twist);
+    mrts_rate_in_world(arm, components, change, acceleration);
     mrts_less_cross(twist + 3, r, twist);
     mrts_less_cross(acceleration + 3, r, acceleration);
     mrts_less_cross(r, twist + 3, turning); /* w x r */
@@ -144,71 +118,44 @@ static void mrts_put_numbers(int count, const mrts_lanes *numbers, const long lo
     }
 }
 
-/* How fast the path is played at some places: x, its rate u, and the speed; u is a line on each segment. */
-static void mrts_speeds_at(const mrts_places *to, const long long *segments, mrts_lanes h, mrts_lanes at, mrts_lanes *x,
-                                         mrts_lanes *u, mrts_lanes *speed) {
-    mrts_lanes first, last, start;
-    MRTS_UNROLL
-    for (int lane = 0; lane < MRTS_LANES; ++lane) {
-        first[lane] = to->u[2 * segments[lane]];
-        last[lane] = to->u[2 * segments[lane] + 1];
-        start[lane] = to->x[segments[lane]];
-    }
-    *x = start + 2 * h * at * (first + (last - first) * at / 2);
-    *u = first + (last - first) * at;
-    MRTS_UNROLL
-    for (int lane = 0; lane < MRTS_LANES; ++lane) (*speed)[lane] = MRTS_SQRT((*x)[lane]);
-}
-
-/* Some places in a row: see mrts_path_places. */
-static void mrts_some_places(const mrts_places *to, const mrts_lanes *geometry, const long long *places) {
-    const mrts_joint_path *path = to->path;
-    mrts_lanes q[MRTS_JOINTS], position[3], rotation[9], columns[9], x, u, speed, time, h, at;
-    long long segments[MRTS_LANES];
-    mrts_lanes rate[MRTS_JOINTS + 6], change[MRTS_JOINTS + 6], *twist = rate + MRTS_JOINTS, *acceleration = change + MRTS_JOINTS;
-    MRTS_UNROLL
-    for (int lane = 0; lane < MRTS_LANES; ++lane) {
-        segments[lane] = to->segments[places[lane] / path->places];
-        time[lane] = path->time[segments[lane]];
-        h[lane] = path->time[segments[lane] + 1] - path->time[segments[lane]];
-        at[lane] = path->at[places[lane] % path->places];
-    }
-    mrts_joints_at(path, segments, places, h, at, q, rate, change);
-    mrts_carried(to, geometry, q, rate, change, position, rotation, twist, acceleration);
-    mrts_speeds_at(to, segments, h, at, &x, &u, &speed);
-    for (int i = 0; i < MRTS_JOINTS + 6; ++i) { /* eq. (10) and its derivative */
-        change[i] = change[i] * x + rate[i] * u;
-        rate[i] *= speed;
-    }
-    time += h * at;
-    const double *first = path->time + to->segments[0];
-    time -= first[0] + (first[1] - first[0]) * path->at[0];
-    mrts_put_numbers(1, &time, places, to->time);
-    mrts_put_numbers(MRTS_JOINTS, q, places, to->q);
-    mrts_put_numbers(MRTS_JOINTS, rate, places, to->dq);
-    mrts_put_numbers(MRTS_JOINTS, change, places, to->ddq);
-    mrts_put_numbers(3, position, places, to->position);
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) columns[3 * j + i] = rotation[3 * i + j];
-    }
-    mrts_put_numbers(9, columns, places, to->rotation);
-    mrts_put_numbers(6, twist, places, to->twist);
-    mrts_put_numbers(6, acceleration, places, to->acceleration);
-}
-
-/* All `count` places of some segments in a row, see mrts_places: the time from the first place of all, joints and object. */
+/* All `count` places of some segments in a row, those looked at, rising: the time from the first place of all on, joints and
+ * object, of which the first arm tells, its rotation by columns, as generated functions want it. x is the squared speed at
+ * the samples, u half its slope at the start and at the end of each segment, a line between; `components` are those of a
+ * twist that a wrench of the cell has. */
 MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, const double *x, const double *u,
                                   const double *geometry, const long long *segments, const int *components, double *time,
                                   double *q, double *dq, double *ddq, double *position, double *rotation, double *twist,
                                   double *acceleration) {
-    const mrts_places to = {path, x,  u,   geometry, segments, components, time,
-                            q,    dq, ddq, position, rotation, twist,      acceleration};
-    long long places[MRTS_LANES];
-    mrts_lanes numbers[MRTS_GEOMETRY_NUMBERS];
-    for (int i = 0; i < MRTS_GEOMETRY_NUMBERS; ++i) numbers[i] = mrts_each(geometry[i]);
+    enum { M = MRTS_JOINTS };
+    const double *first = path->time + segments[0], start = first[0] + (first[1] - first[0]) * path->at[0];
+    mrts_lanes placed[MRTS_GEOMETRY_NUMBERS], joints[M], pose[12], rate[M + 6], change[M + 6];
+    for (int i = 0; i < MRTS_GEOMETRY_NUMBERS; ++i) placed[i] = mrts_each(geometry[i]);
     for (long long n = 0; n < count; n += MRTS_LANES) { /* beyond the last the last is repeated */
-        for (int lane = 0; lane < MRTS_LANES; ++lane) places[lane] = n + lane < count ? n + lane : count - 1;
-        mrts_some_places(&to, numbers, places);
+        long long places[MRTS_LANES], inside[MRTS_LANES], of[MRTS_LANES];
+        for (int lane = 0; lane < MRTS_LANES; ++lane) {
+            places[lane] = n + lane < count ? n + lane : count - 1;
+            inside[lane] = places[lane] % path->places;
+            of[lane] = segments[places[lane] / path->places];
+        }
+        const mrts_lanes before = mrts_term(path->time, of, 1, 0), h = mrts_term(path->time, of, 1, 1) - before;
+        const mrts_lanes at = mrts_term(path->at, inside, 1, 0), passed = before + h * at - start;
+        const mrts_lanes low = mrts_term(u, of, 2, 0), high = mrts_term(u, of, 2, 1);
+        const mrts_lanes square = mrts_term(x, of, 1, 0) + 2 * h * at * (low + (high - low) * at / 2);
+        const mrts_lanes slope = low + (high - low) * at, speed = mrts_roots(square);
+        mrts_joints_at(path, of, inside, h, at, joints, rate, change);
+        mrts_carried(MRTS_ARM(geometry, 0), components, placed, joints, rate, change, pose, pose + 3, rate + M, change + M);
+        for (int i = 0; i < M + 6; ++i) { /* eq. (10) and its derivative */
+            change[i] = change[i] * square + rate[i] * slope;
+            rate[i] *= speed;
+        }
+        mrts_put_numbers(1, &passed, places, time);
+        mrts_put_numbers(M, joints, places, q);
+        mrts_put_numbers(M, rate, places, dq);
+        mrts_put_numbers(M, change, places, ddq);
+        mrts_put_numbers(3, pose, places, position);
+        mrts_put_numbers(9, pose + 3, places, rotation);
+        mrts_put_numbers(6, rate + M, places, twist);
+        mrts_put_numbers(6, change + M, places, acceleration);
     }
 }
 
@@ -275,42 +222,32 @@ static void mrts_off_grasp(const mrts_arm *arm, const int *components, const mrt
     mrts_slips(arm, components, acceleration, change, most + MRTS_CHANGE, finite);
 }
 
-/* Makes what is known of the closure of each arm, (MRTS_ROBOTS, MRTS_CLOSURE_SIZES), the larger of that and of some samples,
- * and takes from `finite` those of which one is no number; `given` are the inputs of the wrench form. */
-static void mrts_closures(const double *geometry, const int *components, const mrts_lanes *const *given,
-                                        const mrts_lanes *position, mrts_lanes *most, mrts_lane_mask *finite) {
-    static const int joints[] = MRTS_FIRST_JOINTS;
-    const mrts_lanes *q = given[0], *dq = given[MRTS_DQ], *ddq = given[MRTS_DDQ], *placed = given[MRTS_INPUTS - 1];
-    mrts_lanes tips[3 * MRTS_ROBOTS], turns[9 * MRTS_ROBOTS], J[MRTS_SIZE * MRTS_JOINTS], change[MRTS_SIZE * MRTS_ROBOTS];
-    mrts_lanes sines[2 * MRTS_JOINTS];
-    const mrts_lanes *const at[] = {q, placed}, *const moving[] = {q, dq, placed};
-    mrts_lanes *const poses[] = {tips, turns, J}, *const bias[] = {change};
-    mrts_sines(MRTS_JOINTS, q, sines);
-    MRTS_KINEMATICS_LANES(at, sines, poses);
-    MRTS_BIAS_ACCELERATION_LANES(moving, sines, bias);
-    for (int robot = 0; robot < MRTS_ROBOTS; ++robot) {
-        mrts_lanes rate[MRTS_SIZE], *own = change + robot * MRTS_SIZE;
-        mrts_tip_by_joints(joints[robot], joints[robot + 1], J, dq, ddq, rate, own);
-        mrts_off_grasp(MRTS_ARM(geometry, robot), components, given, position, tips + 3 * robot, turns + 9 * robot,
-                                rate, own, most + robot * MRTS_CLOSURE_SIZES, finite);
-    }
-}
-
 /* The largest of samples 0 .. count - 1, (MRTS_ROBOTS, MRTS_CLOSURE_SIZES), infinity where one is no number; `in` are the
  * inputs of the wrench form, `components` those of a twist that a wrench of the cell has. */
 MRTS_EXPORT void mrts_closure(long long count, const double *const *in, const long long *stride, const double *position,
                               const double *geometry, const int *components, double *most) {
     enum { NUMBERS = MRTS_ROBOTS * MRTS_CLOSURE_SIZES };
-    mrts_lane_inputs inputs;
-    mrts_lanes object[3], found[NUMBERS];
+    static const int joints[] = MRTS_FIRST_JOINTS;
+    mrts_lanes tips[3 * MRTS_ROBOTS], turns[9 * MRTS_ROBOTS], J[MRTS_SIZE * MRTS_JOINTS], change[MRTS_SIZE * MRTS_ROBOTS];
+    mrts_lanes sines[2 * MRTS_JOINTS], rate[MRTS_SIZE], object[3], found[NUMBERS];
+    mrts_lanes *const poses[] = {tips, turns, J}, *const bias[] = {change};
     mrts_lane_mask finite = MRTS_EVERY_LANE;
-    for (int i = 0; i < NUMBERS; ++i) found[i] = (mrts_lanes){0};
+    mrts_lane_inputs inputs;
+    for (int i = 0; i < NUMBERS; ++i) found[i] = mrts_each(0);
     for (long long n = 0; n < count; n += MRTS_LANES) {
         mrts_take_inputs(in, stride, n, count, n == 0, &inputs);
-        for (int lane = 0; lane < MRTS_LANES; ++lane) {
-            for (int i = 0; i < 3; ++i) object[i][lane] = position[3 * inputs.at[lane] + i];
+        const mrts_lanes *q = inputs.arg[0], *dq = inputs.arg[MRTS_DQ], *placed = inputs.arg[MRTS_INPUTS - 1];
+        const mrts_lanes *const at[] = {q, placed}, *const moving[] = {q, dq, placed};
+        for (int i = 0; i < 3; ++i) object[i] = mrts_term(position, inputs.at, 3, i);
+        mrts_sines(MRTS_JOINTS, q, sines);
+        MRTS_KINEMATICS_LANES(at, sines, poses);
+        MRTS_BIAS_ACCELERATION_LANES(moving, sines, bias);
+        for (int robot = 0; robot < MRTS_ROBOTS; ++robot) {
+            mrts_lanes *own = change + robot * MRTS_SIZE;
+            mrts_tip_by_joints(joints[robot], joints[robot + 1], J, dq, inputs.arg[MRTS_DDQ], rate, own);
+            mrts_off_grasp(MRTS_ARM(geometry, robot), components, inputs.arg, object, tips + 3 * robot, turns + 9 * robot,
+                           rate, own, found + robot * MRTS_CLOSURE_SIZES, &finite);
         }
-        mrts_closures(geometry, components, inputs.arg, object, found, &finite);
     }
     for (int i = 0; i < NUMBERS; ++i) {
         most[i] = 0;

@@ -359,9 +359,9 @@ static mrts_lane_mask mrts_corner_signs(const mrts_lane_polytopes *in, int at, c
 static mrts_lane_mask mrts_edge_is_final(const mrts_lane_polytopes *in, int at, int next) {
     const int k = in->of->k;
     const mrts_lanes *p = in->corner + at * MRTS_LANE_CORNER(k), *q = in->corner + next * MRTS_LANE_CORNER(k);
-    mrts_lanes normal[2] = {q[1] - p[1], p[0] - q[0]}, length = normal[0] * normal[0] + normal[1] * normal[1];
+    mrts_lanes normal[2] = {q[1] - p[1], p[0] - q[0]};
+    const mrts_lanes length = mrts_roots(normal[0] * normal[0] + normal[1] * normal[1]);
     const mrts_lanes apart = mrts_sizes(normal[0]) + mrts_sizes(normal[1]);
-    for (int lane = 0; lane < MRTS_LANES; ++lane) length[lane] = MRTS_SQRT(length[lane]);
     normal[0] /= length;
     normal[1] /= length;
     const mrts_lane_mask differ = mrts_above(apart, MRTS_OUTSIDE * (1 + mrts_sizes(p[0]) + mrts_sizes(p[1])));

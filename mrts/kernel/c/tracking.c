@@ -60,9 +60,8 @@ typedef struct {
 
 #endif
 
-/* Share of the product of two lengths below which vectors are orthogonal, and the most rounds that make them so. */
-#define MRTS_ORTHOGONAL 1e-15
-enum { MRTS_ROUNDS = 30 };
+/* Rounds of the power method: a norm is needed where an arm may be singular only. */
+enum { MRTS_ROUNDS = 200 };
 
 /* Solves a square system in place; 0 if it is singular. */
 static int mrts_solve_square(int size, double *matrix, double *rhs) {
@@ -134,39 +133,20 @@ static void mrts_least_joints(int joints, const mrts_split *split, const double 
     for (int r = 0; r < joints; ++r) x[r] = mrts_dot(W, split->Q + r * joints, in_basis);
 }
 
-/* Condition number of a Jacobian, by columns, in the 2-norm: by rotations of its rows (one-sided Jacobi). */
-static double mrts_condition(int joints, const double *J) {
-    enum { W = MRTS_SIZE };
-    double row[W][MRTS_MOST_JOINTS], most = 0, least = MRTS_INFINITY;
-    int turned = 1;
-    for (int i = 0; i < W; ++i) {
-        for (int l = 0; l < joints; ++l) row[i][l] = J[l * W + i];
-    }
-    for (int round = 0; round < MRTS_ROUNDS && turned; ++round) {
-        turned = 0;
-        for (int i = 0; i < W; ++i) {
-            for (int j = i + 1; j < W; ++j) {
-                const double a = mrts_dot(joints, row[i], row[i]), b = mrts_dot(joints, row[j], row[j]);
-                const double both = mrts_dot(joints, row[i], row[j]);
-                if (!(fabs(both) > MRTS_ORTHOGONAL * sqrt(a * b))) continue;
-                const double cotangent = (b - a) / (2 * both);
-                const double t = (cotangent < 0 ? -1 : 1) / (fabs(cotangent) + sqrt(1 + cotangent * cotangent));
-                const double c = 1 / sqrt(1 + t * t), s = c * t;
-                turned = 1;
-                for (int l = 0; l < joints; ++l) {
-                    const double x = row[i][l];
-                    row[i][l] = c * x - s * row[j][l];
-                    row[j][l] = s * x + c * row[j][l];
-                }
-            }
+/* The 2-norm of a matrix by rows, of full rank: of a vector turned by it and its transpose, again and again. */
+static double mrts_norm(int rows, int columns, const double *A) {
+    double x[MRTS_SIZE], square = 0;
+    for (int j = 0; j < columns; ++j) x[j] = 1;
+    for (int round = 0; round < MRTS_ROUNDS; ++round) {
+        double turned[MRTS_SIZE] = {0};
+        for (int i = 0; i < rows; ++i) {
+            const double its = mrts_dot(columns, A + i * columns, x);
+            for (int j = 0; j < columns; ++j) turned[j] += A[i * columns + j] * its;
         }
+        square = sqrt(mrts_dot(columns, turned, turned));
+        for (int j = 0; j < columns; ++j) x[j] = turned[j] / square;
     }
-    for (int i = 0; i < W; ++i) {
-        const double square = mrts_dot(joints, row[i], row[i]);
-        most = fmax(most, square);
-        least = fmin(least, square);
-    }
-    return least > 0 ? sqrt(most / least) : MRTS_INFINITY;
+    return sqrt(square);
 }
 
 #ifdef MRTS_REDUNDANT
@@ -339,9 +319,6 @@ typedef struct {
     double drift[MRTS_ROBOTS];                  /* step still to go of a redundant arm [rad or m] */
     int folds[MRTS_ROBOTS];                     /* whether the positions that it prefers end here */
 } mrts_held;
-
-#ifndef MRTS_UNEVEN
-#endif
 
 /* Sine of an angle below which a turn has no axis: it is none, or half a turn. */
 #define MRTS_NO_TURN 1e-9
@@ -521,7 +498,9 @@ static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, con
         if (left_out[robot]) continue;
         mrts_split_joints(joints, J, splits + robot);
         held->condition[robot] = splits[robot].condition;
-        if (!(held->condition[robot] < task->condition)) held->condition[robot] = mrts_condition(joints, J);
+        if (!(held->condition[robot] < task->condition) && held->condition[robot] < MRTS_INFINITY) {
+            held->condition[robot] = mrts_norm(joints, W, J) * mrts_norm(W, W, splits[robot].inverse);
+        }
         mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), at->rotation, at->twist, at->acceleration, velocity,
                        wanted + W * robot);
         mrts_least_joints(joints, splits + robot, velocity, dq + first);

@@ -109,8 +109,7 @@ static inline void mrts_lane_cholesky(int k, const mrts_lanes *H, mrts_lanes *L)
             mrts_lanes sum = H[i * k + j];
             for (int l = 0; l < j; ++l) sum -= L[i * k + l] * L[j * k + l];
             if (i == j) {
-                for (int lane = 0; lane < MRTS_LANES; ++lane) sum[lane] = MRTS_SQRT(sum[lane]);
-                L[j * k + j] = 1 / sum;
+                L[j * k + j] = 1 / mrts_roots(sum);
             } else {
                 L[i * k + j] = sum * L[j * k + j];
             }
@@ -138,6 +137,7 @@ static inline void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b)
 /* One number of each sample, of those of all samples one after the other, `size` each. */
 static inline mrts_lanes mrts_term(const double *all, const long long *at, int size, int place) {
     mrts_lanes value;
+    MRTS_UNROLL
     for (int lane = 0; lane < MRTS_LANES; ++lane) value[lane] = all[at[lane] * size + place];
     return value;
 }
