@@ -872,11 +872,6 @@ enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
 #define MRTS_SMOOTH_CENTRAL 0.3    /* the gap, of the objective, and the excess, of a limit, of the iterate kept for a program that is near: with less it
                                    * is too near limits that have moved, with more it gains little */
 #define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
-#define MRTS_SMOOTH_LONG 0.3       /* a step this long needs no correction */
-#define MRTS_SMOOTH_PULLS 2        /* corrections of one step at most */
-#define MRTS_SMOOTH_FURTHER 0.3    /* by how much a correction is to lengthen a step */
-#define MRTS_SMOOTH_GAIN 0.05      /* by how much it must, or it was the last */
-#define MRTS_SMOOTH_OFF 0.1        /* share of the centre that a product may be */
 #define MRTS_SMOOTH_ROUNDING 1e-13 /* of a sum, what is left of it where all of it cancels */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
@@ -887,7 +882,7 @@ typedef struct {
     double *s, *y;             /* slacks and multipliers, infinity and 0 where there is no limit */
     double *by_s, *weight;     /* 1 / s, 0 where there is no limit, and y / s */
     double *missed, *ds, *dy;  /* g + s, and the steps */
-    double *target, *before;   /* multipliers that the right side is made of, and those tried before */
+    double *target, *before;   /* multipliers that the right side is made of, and what the share pulls at */
     double *gx, *gu, *gf;      /* the gradient of the objective */
     double *px, *pu, *pf;      /* another one, or a step */
     double *b, *w;             /* unknowns: a right side and its step; the factor's answer to what borders the matrix */
@@ -1109,37 +1104,6 @@ static void mrts_smooth_answer_share(const mrts_smooth_program *p, mrts_smooth_s
     if (!(at->share_pull > MRTS_SMOOTH_ROUNDING * along)) at->share_pull = MRTS_SMOOTH_ROUNDING * along;
 }
 
-/* While a step is short, pulls the products of slacks and multipliers that it would lead far off towards the centre
- * (J. Gondzio, Multiple centrality corrections in a primal-dual method, Computational Optimization and Applications 6,
- * 1996). */
-static void mrts_smooth_centralise(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
-                                   double centre) {
-    const double low = MRTS_SMOOTH_OFF * centre, high = centre / MRTS_SMOOTH_OFF;
-    double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1);
-    for (int again = 0; again < MRTS_SMOOTH_PULLS && (length < MRTS_SMOOTH_LONG || dual < MRTS_SMOOTH_LONG); ++again) {
-        const double far = length + MRTS_SMOOTH_FURTHER < 1 ? length + MRTS_SMOOTH_FURTHER : 1;
-        const double up = dual + MRTS_SMOOTH_FURTHER < 1 ? dual + MRTS_SMOOTH_FURTHER : 1;
-        mrts_smooth_copy(at->slots, at->target, at->before);
-        for (long long i = 0; i < at->slots; ++i) {
-            const double product = (at->s[i] + far * at->ds[i]) * (at->y[i] + up * at->dy[i]);
-            const double by = product < low ? low - product : product > high ? high - product : 0;
-            at->target[i] += (by < -high ? -high : by) * at->by_s[i];
-        }
-        mrts_smooth_newton(p, state, at);
-        const double longer = mrts_smooth_length(at, 1);
-        const double higher = mrts_smooth_dual_length(at, 1);
-        if (longer + higher < length + dual + MRTS_SMOOTH_GAIN) {
-            if (longer + higher < length + dual) {
-                mrts_smooth_copy(at->slots, at->before, at->target);
-                mrts_smooth_newton(p, state, at);
-            }
-            break;
-        }
-        length = longer;
-        dual = higher;
-    }
-}
-
 /* One iteration from an evaluated point; the length of its step. */
 static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
                                   double gap, double size) {
@@ -1161,7 +1125,6 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     if (centre < least) centre = least;
     for (long long i = 0; i < at->slots; ++i) at->target[i] += (centre - at->ds[i] * at->dy[i]) * at->by_s[i];
     mrts_smooth_newton(p, state, at);
-    mrts_smooth_centralise(p, state, at, centre);
     length = mrts_smooth_length(at, MRTS_SMOOTH_BOUNDARY);
     dual = mrts_smooth_dual_length(at, MRTS_SMOOTH_BOUNDARY);
     for (long long i = 0; i < at->slots; ++i) {
