@@ -11,19 +11,14 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
-from mrts.cell.cell import Cell
 from mrts.collisions.clearance import clearance
 from mrts.following.coordinate import coordinate
-from mrts.motion.joint_table import JointTable
-from mrts.motion.object_motion import ObjectMotion
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.options import Options
 from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.scale import admissible_range
 from mrts.studies.parameters import ANSWERS
 from mrts.studies.study import Study
-from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retime import retime
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
@@ -84,9 +79,7 @@ def fastest_first(variant: NDArray[np.int_], duration: Array) -> NDArray[np.intp
 def solved_row(study: Study, point: Array) -> Row:
     """What is found of a variant, at a point of a study as from `Study.at_hand`, Shape (P,), as `mrts.scale` does."""
     try:
-        keys, motion_keys = study.descriptions(point)
-        cell, motion = study.cell_of(keys), study.motion_of(motion_keys)
-        return _answer(study, cell, motion) | _clearance(study, cell, motion)
+        return _answer(study, *study.descriptions(point))
     except InputError as error:
         return {"status": INVALID, "reason": str(error)}
     except MotionError as error:
@@ -97,33 +90,16 @@ def solved_row(study: Study, point: Array) -> Row:
         return {"status": FAILED, "reason": f"{type(error).__name__}: {error}"}
 
 
-def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    question = study.question
-    asked: dict[str, Any] = {"load": question.load, "reserve": question.reserve, "between": question.between}
-    if question.profile == "optimal":
-        return _timed_row(retime(cell, motion, **asked))
+def _answer(study: Study, keys: dict[str, Any], motion_keys: dict[str, Any]) -> Row:
+    cell, motion, question = study.cell_of(keys), study.motion_of(motion_keys), study.question
     cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
     options = Options(load=question.load, between=question.between).checked(cell)
     found = admissible_range(cell, coordinate(cell, motion, None), options)[0]
-    return range_row(found.range, float(found.motion.object.time[-1]))
-
-
-def _clearance(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    if not study.question.clearance:
-        return {}
-    near = clearance(cell, motion)
-    return {"clearance": near.distance if near.pair else None}
-
-
-def _timed_row(found: RetimingResult) -> Row:
-    """The range is that of a constant factor."""
-    row = range_row(found.factor.range, float(found.factor.motion.object.time[-1]))
-    row |= {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
-    if found.status.admits_motion:
-        return row
-    unbounded = found.status is RetimingStatus.UNBOUNDED
-    status = RangeStatus.UNBOUNDED if unbounded else RangeStatus.INFEASIBLE
-    return row | {"status": status.value, "reason": found.explanation or found.status.value}
+    row = range_row(found.range, float(found.motion.object.time[-1]))
+    if question.clearance:
+        near = clearance(cell, motion)
+        row["clearance"] = near.distance if near.pair else None
+    return row
 
 
 def range_row(found: ScalingRange, given_duration: float) -> Row:

@@ -111,7 +111,6 @@ def test_a_variant_has_the_same_bits_whatever_it_is_solved_with(tmp_path):
 
 
 @pytest.mark.parametrize(("asked", "robots"), [
-    ("profile: optimal", {}),
     ("between: 1e-3", {}),
     ("", {"motors": {"armature": 0.5}}),
     ("", {"motors": {"torque_speed": [[0, 100], [20, 10]]}}),
