@@ -77,7 +77,7 @@ fuzz: install  ## read CASES damaged input files, from SEED on; look between the
 	FUZZ_CASES=$(CASES) FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -q -x tests/base/test_mutated_inputs.py
 	BETWEEN_MOTIONS=50 $(BIN)/python -m pytest -q -x tests/program/test_between_samples.py
 	MORE_DRAWS=5 $(BIN)/python -m pytest -q -x tests/program/test_speed_intervals.py tests/scaling/test_uncertain_load.py \
-	  tests/studies/test_variant_batch.py tests/studies
+	  tests/studies
 
 wheel: install  ## build the wheel and use it in an empty environment of each Python that is here
 	$(BIN)/python .ci/try_wheel.py

@@ -10,7 +10,7 @@ import numpy as np
 
 import mrts
 from mrts.studies.study import Study
-from mrts.studies.variant_rows import solve_one_by_one, solve_variants
+from mrts.studies.variants import solve_one_by_one, solve_variants
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "study_cases"))

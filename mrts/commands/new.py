@@ -128,7 +128,7 @@ def _tell_arms(request: "Request") -> None:
 
 def _write(folder: Path, proposal: "Proposal") -> None:
     from mrts.base.atomic_file import text_writer, write_together
-    from mrts.starting.cell_writing import cell_file, motion_file
+    from mrts.starting.proposal import cell_file, motion_file
 
     cell, motion = text_writer(cell_file(proposal)), text_writer(motion_file(proposal))
     write_together({folder / "cell.yaml": cell, folder / "motion.yaml": motion})

@@ -20,7 +20,7 @@ from mrts.limits.rows import MOST_NAMES
 from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, Points, level
 from mrts.program.range_status import RangeStatus
 from mrts.studies.study_folder import read_study_folder
-from mrts.studies.variant_rows import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE, fastest_first
+from mrts.studies.variants import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE, fastest_first
 
 if TYPE_CHECKING:
     import pyarrow as pa

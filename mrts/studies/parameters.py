@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""`vary` of the study file: each parameter of a study is a distribution and the numbers that its value moves."""
+"""`vary` of the study file: parameters, each a distribution and the numbers that it moves.
 
+Points are those of a grid or of a Sobol sequence, any block by itself.
+"""
+
+import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
@@ -24,7 +29,20 @@ from mrts.cell.number_paths import (
     value_at,
     with_place,
 )
-from mrts.studies.sampling import MAX_STEPS, Distribution, SampleName
+
+SampleName = Literal["grid", "sobol"]
+
+MAX_VARIANTS = 100_000_000
+"""At a thousand a second and core a day of one core."""
+
+MAX_STEPS = 100_000
+"""Of one number in a grid."""
+
+NEAREST_TO_CERTAIN = 1e-16
+"""Least distance of a probability from 0 and 1: a distribution without ends has no number there."""
+
+VALUES_SHOWN = 6
+"""Of a list."""
 
 ANSWERS = dict.fromkeys(("status", "reason", "lower_limit", "upper_limit"), "string")
 ANSWERS |= dict.fromkeys(("c2_lower", "c2_upper", "lower_time", "upper_time", "duration"), "float64")
@@ -40,6 +58,51 @@ FORMS = "a list such as [1, 2, 3], a range such as {from: 1, to: 3, steps: 5}, o
 
 PATHS_SHOWN = 3
 """Of what a parameter moves."""
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """The values of a parameter.
+
+    Attributes:
+        kind: "values" and "steps" (of a range) are levels, one as likely as another; "uniform"; "normal", of numbers
+            that happen and are not for a designer to choose.
+        numbers: The levels, in the order in which a grid takes them; least and largest value; mean and standard
+            deviation.
+    """
+
+    kind: str
+    numbers: tuple[float, ...]
+
+    @property
+    def levels(self) -> tuple[float, ...] | None:
+        """The values where they can be counted; None where they cannot."""
+        return self.numbers if self.kind in {"values", "steps"} else None
+
+    def at(self, probability: Array) -> Array:
+        """The values that probabilities from 0 to 1 stand for, of the same Shape."""
+        if self.levels is not None:
+            places = (probability * len(self.levels)).astype(np.intp)
+            return np.array(self.levels)[np.minimum(places, len(self.levels) - 1)]
+        first, second = self.numbers
+        if self.kind == "uniform":
+            return first + probability * (second - first)
+        from scipy.special import ndtri  # noqa: PLC0415 (slow to import, and most studies have no such number)
+
+        quantile: Array = ndtri(np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN))
+        return first + second * quantile
+
+    def text(self, unit: str) -> str:
+        """The distribution for people, with the unit of its values, which may be empty."""
+        spaced, shown = unit and f" {unit}", [f"{number:g}" for number in self.numbers]
+        if self.kind == "steps":
+            return f"from {shown[0]} to {shown[-1]}{spaced} in {len(shown)} steps"
+        if self.kind == "values":
+            more = f", … ({len(shown)} values)" if len(shown) > VALUES_SHOWN else ""
+            return f"{', '.join(shown[:VALUES_SHOWN])}{more}{spaced}"
+        if self.kind == "normal":
+            return f"normal, around {shown[0]}, standard deviation {shown[1]}{spaced}"
+        return f"from {shown[0]} to {shown[1]}{spaced}"
 
 
 @dataclass(frozen=True)
@@ -251,3 +314,44 @@ def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float 
     if keys == ("motion", "samples"):
         raise InputError("", f"{text} says how finely the motion is looked at, and does not vary.")
     return Target(text, keys, number_unit(keys, cell.robots, cell.wrench_units), factor, offset)
+
+
+def grid_size(distributions: Sequence[Distribution]) -> int:
+    """Number of points of the grid."""
+    return math.prod(len(each.numbers) for each in distributions)
+
+
+def sample_points(
+    distributions: Sequence[Distribution], sample: SampleName, seed: int, block: tuple[int, int]
+) -> Array:
+    """The points of a study from a first to a last that is left out, Shape (V, P), the same whatever block they are in.
+
+    "grid" takes every combination of levels, the last number varying fastest; "sobol" is a scrambled Sobol sequence
+    (`scipy.stats.qmc`), drawn with a seed.
+    """
+    first, last = block
+    if sample == "grid":
+        return _grid([np.array(each.levels) for each in distributions], first, last)
+    drawn = _sobol(len(distributions), seed, first, last).T
+    return np.column_stack([each.at(column) for each, column in zip(distributions, drawn, strict=True)])
+
+
+def _grid(values: Sequence[Array], first: int, last: int) -> Array:
+    """Points of a grid, Shape (V, P); of numpy's index functions none takes more than 64 numbers."""
+    left = np.arange(first, last)
+    columns = []
+    for levels in reversed(values):
+        left, place = np.divmod(left, len(levels))
+        columns.append(levels[place])
+    return np.column_stack(columns[::-1])
+
+
+def _sobol(numbers: int, seed: int, first: int, last: int) -> Array:
+    from scipy.stats import qmc  # noqa: PLC0415 (slow to import)
+
+    engine = qmc.Sobol(numbers, rng=np.random.default_rng(seed))
+    if first > 0:
+        engine.fast_forward(first)
+        return np.asarray(engine.random(last - first))
+    start = engine.random(min(last, 1))  # by itself: a first block that is no power of 2 would be warned of
+    return np.vstack([start, engine.random(last - 1)]) if last > 1 else np.asarray(start)

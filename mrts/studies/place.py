@@ -29,7 +29,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.scaling.result import ScalingResult, kept_text
 from mrts.scaling.scale import scale
-from mrts.studies.sampling import Distribution, sample_points
+from mrts.studies.parameters import Distribution, sample_points
 from mrts.studies.study import Study, read_study
 
 STARTS = 3

@@ -38,8 +38,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.scaling.loads import mass_grid
 from mrts.scaling.options import Options
-from mrts.studies.parameters import Parameter, read_parameters
-from mrts.studies.sampling import MAX_VARIANTS, SampleName, grid_size, sample_points
+from mrts.studies.parameters import MAX_VARIANTS, Parameter, SampleName, grid_size, read_parameters, sample_points
 
 VARIANT_FILES = "cell.yaml", "motion.yaml"
 """That a variant is written as."""

@@ -26,7 +26,7 @@ from mrts.base.input_file import read_text
 from mrts.base.version import __version__
 from mrts.limits.rows import limit_name
 from mrts.studies.study import Study
-from mrts.studies.variant_rows import column_types
+from mrts.studies.variants import column_types
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -13,8 +13,7 @@ import numpy as np
 from mrts.base.argument_types import Progress, as_path, check_callable, check_type, require_extra
 from mrts.studies.study import Study, read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder
-from mrts.studies.variant_batch import batch_for
-from mrts.studies.variant_rows import fastest_first
+from mrts.studies.variants import batch_for, fastest_first
 from mrts.studies.workers import check_workers, solved_chunks
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.held_interrupt import held_interrupt
 from mrts.base.version import __version__
 from mrts.studies.study import Study
-from mrts.studies.variant_rows import FAILED, Columns, columns_of, solve_one_by_one, solve_variants
+from mrts.studies.variants import FAILED, Columns, columns_of, solve_one_by_one, solve_variants
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """For processes that share the cores among them."""

@@ -19,7 +19,7 @@ import mrts
 from mrts.cell.cell_file import read_cell_description
 from mrts.cell.record import read_generated
 from mrts.cli import main
-from mrts.studies.variant_rows import solve_variants
+from mrts.studies.variants import solve_variants
 
 CASES = int(os.environ.get("FUZZ_CASES", "600"))
 SEED = int(os.environ.get("FUZZ_SEED", "0"))

@@ -17,7 +17,7 @@ from mrts.collisions.clearance import RESOLUTION, SHARE, CollisionModel
 from mrts.following.coordinate import coordinate
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.starting.check import check
-from mrts.studies.variant_rows import solve_variants
+from mrts.studies.variants import solve_variants
 
 UR5 = ROOT / "mrts" / "data" / "dual_ur5"
 TORSO = ROOT / "mrts" / "data" / "upper_body"

@@ -91,7 +91,7 @@ sys.path.insert(0, sys.argv[1])
 import tempfile
 from pathlib import Path
 from wide_studies import wide_study
-from mrts.studies.variant_batch import batch_for
+from mrts.studies.variants import batch_for
 for cell, motion in zip(sys.argv[2::2], sys.argv[3::2]):
     for spread in (0.02, 0.3):
         with tempfile.TemporaryDirectory() as folder:

@@ -12,10 +12,9 @@ from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.remarks import joint_assumptions
 from mrts.motion.motion_file import MotionDescription, sample_motion
-from mrts.starting.cell_writing import cell_file, motion_file
 from mrts.starting.hold import hold_here
 from mrts.starting.layouts import layouts
-from mrts.starting.proposal import propose
+from mrts.starting.proposal import cell_file, motion_file, propose
 from mrts.starting.request import request_of
 
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"

@@ -12,7 +12,7 @@ from sweep_processes import assert_same_table, kill, parts, started, until, work
 
 import mrts
 import mrts.studies.sweep as engine
-from mrts.studies.variant_rows import solve_variants
+from mrts.studies.variants import solve_variants
 
 STUDY = """
 vary: {object.mass: {from: 1, to: 30}, "robots.left.base.xyz[0]": {from: -1.5, to: 0.5}}

@@ -13,9 +13,8 @@ from study_files import planar_study
 
 import mrts
 from mrts.cell.number_paths import numbers_below, path_text, value_at
-from mrts.studies.sampling import Distribution, grid_size, sample_points
-from mrts.studies.variant_batch import batch_for
-from mrts.studies.variant_rows import solve_one_by_one, solve_variants
+from mrts.studies.parameters import Distribution, grid_size, sample_points
+from mrts.studies.variants import batch_for, solve_one_by_one, solve_variants
 
 BASE = "vary: {object.mass: [1, 2]}"
 

@@ -10,7 +10,7 @@ from study_files import planar_study
 
 import mrts
 from mrts.studies.study_folder import opened_study_folder
-from mrts.studies.variant_rows import solve_variants
+from mrts.studies.variants import solve_variants
 
 VARY = "vary: {object.mass: [1, 2, 3, 4, 24], 'robots.left.base.xyz[0]': [0, 0.1]}"
 CHUNK = 4

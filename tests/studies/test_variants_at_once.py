@@ -11,8 +11,7 @@ from shipped_cells import changed_cell, shipped
 from study_files import planar_study
 from wide_studies import wide_study
 
-from mrts.studies.variant_batch import batch_for
-from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
+from mrts.studies.variants import batch_for, column_types, solve_one_by_one, solve_variants
 
 SQUEEZE = DATA.parent / "squeeze"
 

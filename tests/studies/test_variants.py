@@ -5,7 +5,7 @@ from shipped_cells import shipped
 from study_files import planar_study
 
 import mrts
-from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
+from mrts.studies.variants import column_types, solve_one_by_one, solve_variants
 
 SAME = 1e-9
 """Share by which answers from the same numbers may differ: matrices are rounded once more on the way through a file."""
