@@ -4,7 +4,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from os.path import relpath
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.file_reference import is_uri
+from mrts.base.formats.file_reference import is_uri, named_in
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform, plane_normal
@@ -29,9 +28,6 @@ SPATIAL_JOINTS = 6
 """What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
 
 MOST_HANDS = 2
-
-MOST_STEPS_UP = 3
-"""Folders that a relative path may climb; a URDF farther away is named by its whole path."""
 
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 """World axes [m/s²]."""
@@ -162,7 +158,7 @@ def request_of(
                 replace(chain, name=called),
                 com,
                 path=one.path.absolute(),
-                urdf=_reference(one.reference, one.path, folder),
+                urdf=one.reference if is_uri(one.reference) else named_in(folder, one.path),
                 why=one.why,
                 base=bases[one.robot] @ T_root_base if bases else in_place,
             )
@@ -238,10 +234,3 @@ def _names(tips: list[str]) -> list[str]:
     if len(tips) > len(SIDES):
         return [f"arm_{index + 1}" for index in range(len(tips))]
     return sides if {*sides} == {*SIDES} else list(SIDES)[: len(tips)]
-
-
-def _reference(given: str, path: Path, folder: Path) -> str:
-    if is_uri(given):
-        return given
-    near = Path(relpath(path.absolute(), folder.absolute()))
-    return near.as_posix() if near.parts.count("..") <= MOST_STEPS_UP else path.absolute().as_posix()

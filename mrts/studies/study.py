@@ -3,7 +3,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, replace
@@ -17,7 +16,7 @@ from mrts.base.argument_types import as_path, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.file_reference import is_uri
+from mrts.base.formats.file_reference import is_uri, named_in
 from mrts.base.formats.pose import Finite, Pose
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import MAX_FILE_BYTES, read_data, read_text, validated
@@ -68,10 +67,6 @@ class StudyFile:
     reference: str
     path: str
     content: bytes
-
-    def named_in(self, folder: Path) -> str:
-        """How a cell file in a folder names it."""
-        return self.reference if is_uri(self.reference) else _reference(Path(self.path), folder)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -214,7 +209,7 @@ class Study:
         cell, motion = self.descriptions(self.points(index, index + 1)[0])
         for key in ("file", "joints"):
             if key in motion:
-                motion[key] = _reference(Path(motion[key]), folder)
+                motion[key] = named_in(folder, Path(motion[key]))
         cell_file, motion_file = (folder / name for name in VARIANT_FILES)
         heading = f"# Variant {index} of {printable(self.path.name)}\n"
         texts = heading + self.cell_text(cell, folder), heading + yaml_text(motion)
@@ -225,7 +220,8 @@ class Study:
         """The text of a cell file with some keys, in a folder that paths of its files are relative to."""
         written = deepcopy(keys)
         for file in self.files:
-            set_value(written, file.keys, file.named_in(folder))
+            named = file.reference if is_uri(file.reference) else named_in(folder, Path(file.path))
+            set_value(written, file.keys, named)
         return yaml_text(written)
 
 
@@ -238,13 +234,6 @@ def _holds(path: Path, content: bytes) -> bool:
         return read_regular(path, "input file", MAX_FILE_BYTES) == content
     except InputError:
         return False
-
-
-def _reference(file: Path, folder: Path) -> str:
-    try:
-        return Path(os.path.relpath(file, folder.resolve())).as_posix()
-    except ValueError:  # another drive, or no path at all, which writing refuses
-        return str(file)
 
 
 class StudyDescription(StudyQuestion):

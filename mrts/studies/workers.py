@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
@@ -82,27 +82,17 @@ def check_workers(workers: int | None, scheduler: str | None) -> None:
         require_extra("scheduler", "cluster", "distributed", value=scheduler)
 
 
-@contextmanager
-def worker_pool(workers: int | None, scheduler: str | None) -> Iterator[WorkerPool]:
+def worker_pool(workers: int | None, scheduler: str | None) -> AbstractContextManager[WorkerPool]:
     """The workers of a study, gone when the block ends.
 
     Raises:
         InputError: If no scheduler answers, or it goes away.
     """
-    with ExitStack() as stack:
-        if scheduler is None:
-            yield _local_processes(stack, workers)
-            return
-        pool = _dask_cluster(stack, scheduler)
-        try:
-            yield pool
-        except (OSError, RuntimeError, CancelledError) as error:
-            if isinstance(error, pool.deaths):
-                raise
-            raise InputError("scheduler", GONE, value=scheduler) from None
+    return _local_processes(workers) if scheduler is None else _dask_cluster(scheduler)
 
 
-def _local_processes(stack: ExitStack, workers: int | None) -> WorkerPool:
+@contextmanager
+def _local_processes(workers: int | None) -> Iterator[WorkerPool]:
     from joblib import cpu_count  # noqa: PLC0415 (an extra)
     from joblib.externals.loky import ProcessPoolExecutor  # noqa: PLC0415 (likewise)
 
@@ -117,7 +107,9 @@ def _local_processes(stack: ExitStack, workers: int | None) -> WorkerPool:
             raise BrokenProcessPool(str(error)) from None
         return future
 
-    def close() -> None:
+    try:
+        yield WorkerPool(submit, lambda: workers, (BrokenProcessPool,))
+    finally:
         # loky forgets the calls that wait and then looks up those whose numbers are still queued: a KeyError
         with held_interrupt(), suppress(Empty):
             while True:
@@ -125,28 +117,33 @@ def _local_processes(stack: ExitStack, workers: int | None) -> WorkerPool:
         with held_interrupt():
             executor.shutdown(kill_workers=True)
 
-    stack.callback(close)
-    return WorkerPool(submit, lambda: workers, (BrokenProcessPool,))
 
-
-def _dask_cluster(stack: ExitStack, scheduler: str) -> WorkerPool:
+@contextmanager
+def _dask_cluster(scheduler: str) -> Iterator[WorkerPool]:
     if not ADDRESS.fullmatch(scheduler):
         rule = "no Dask scheduler answers there: it is no address. Name one as tcp://HOST:PORT."
         raise InputError("scheduler", rule, value=scheduler)
     distributed = import_module("distributed")
-    for talkative in map(logging.getLogger, ("distributed", "distributed.client")):  # workers that come and go
-        stack.callback(talkative.setLevel, talkative.level)
-        talkative.setLevel(logging.CRITICAL)
-    try:
-        client = distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
-    except (OSError, ValueError) as error:
-        rule = f"no Dask scheduler answers there: {error}. Start one, or name it as tcp://HOST:PORT."
-        raise InputError("scheduler", rule, value=scheduler) from None
-    stack.callback(held_interrupt()(client.close))
-    if not client.nthreads():
-        logger.warning("the cluster at %s has no workers: waiting for them", scheduler)
-    submit = client.get_executor(pure=False).submit
-    return WorkerPool(submit, lambda: sum(client.nthreads().values()), (distributed.scheduler.KilledWorker,))
+    deaths = (distributed.scheduler.KilledWorker,)
+    with ExitStack() as stack:
+        for talkative in map(logging.getLogger, ("distributed", "distributed.client")):  # workers that come and go
+            stack.callback(talkative.setLevel, talkative.level)
+            talkative.setLevel(logging.CRITICAL)
+        try:
+            client = distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
+        except (OSError, ValueError) as error:
+            rule = f"no Dask scheduler answers there: {error}. Start one, or name it as tcp://HOST:PORT."
+            raise InputError("scheduler", rule, value=scheduler) from None
+        stack.callback(held_interrupt()(client.close))
+        if not client.nthreads():
+            logger.warning("the cluster at %s has no workers: waiting for them", scheduler)
+        submit = client.get_executor(pure=False).submit
+        try:
+            yield WorkerPool(submit, lambda: sum(client.nthreads().values()), deaths)
+        except deaths:
+            raise
+        except (OSError, RuntimeError, CancelledError):
+            raise InputError("scheduler", GONE, value=scheduler) from None
 
 
 @contextmanager

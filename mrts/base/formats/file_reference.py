@@ -26,6 +26,9 @@ VARIABLES = (AMENT, "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH")
 
 LONGEST_MANIFEST = 100_000
 
+MOST_STEPS_UP = 3
+"""Folders that a relative path may climb."""
+
 MOST_BYTES = {"URDF": MAX_URDF_BYTES, "mesh": MAX_FILE_BYTES, "joint limits file": MAX_YAML_BYTES}
 
 
@@ -57,6 +60,12 @@ class FileReference:
     def sha256(self, cell_path: Path, folder: Path) -> str:
         """Hash of the content; arguments and errors as `content`."""
         return hashlib.sha256(self.content(cell_path, folder)).hexdigest()
+
+
+def named_in(folder: Path, file: Path) -> str:
+    """How a file in a folder names another: from there, or by its whole path where that is far away."""
+    near = Path(os.path.relpath(file.absolute(), folder.resolve()))
+    return near.as_posix() if near.parts.count("..") <= MOST_STEPS_UP else file.absolute().as_posix()
 
 
 def is_uri(reference: str) -> bool:
