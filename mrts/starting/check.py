@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Everything that is wrong with a cell and a motion at once, and how far each arm follows."""
+"""Everything that is wrong with a cell and a motion at once, and whether each arm follows."""
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
@@ -52,26 +52,20 @@ STARTS = 48
 
 @dataclass(frozen=True, kw_only=True)
 class ArmReach:
-    """How far one arm follows the motion.
+    """Whether one arm follows the motion.
 
     Attributes:
         robot: Its name.
-        samples: Of the motion.
-        followed: Samples that it follows: of all ways to hold the grasp at t = 0, the one that goes furthest.
         failure: Why it does not follow from its posture; empty if it does.
-        ways: Number of ways to hold the grasp at t = 0 that were followed.
+        ways: Number of other ways to hold the grasp at t = 0 that were followed.
         posture: The one nearest to its own from which it follows; None where there is none, or where it is its own.
-        furthest: Why the way that goes furthest ends; empty where there is none, or one leads to the end.
         nearest_limit: How near a joint comes to a position limit, which and when; empty if it does not follow.
     """
 
     robot: str
-    samples: int
-    followed: int
     failure: str = ""
     ways: int = 0
     posture: Array | None = None
-    furthest: str = ""
     nearest_limit: str = ""
 
     @property
@@ -89,8 +83,7 @@ class ArmReach:
             shown = ", ".join(f"{value:.4f}" for value in self.posture)
             yield f"  It follows from another posture: posture: [{shown}]"
         elif self.ways:
-            ways = f"{self.ways} way{'s' if self.ways > 1 else ''} to hold the grasp at t = 0"
-            yield f"  Of {ways}, none leads to the end: {self.followed} of {self.samples} samples. {self.furthest}"
+            yield f"  None of {self.ways} other ways to hold the grasp at t = 0 leads to the end."
         else:
             yield "  No posture holds its grasp at t = 0."
 
@@ -105,7 +98,7 @@ class CellCheck(JsonOutput):
         mistakes: All that breaks a rule, in both files and the URDFs.
         robots: The arms, with their joints and limits; empty if something breaks a rule.
         remarks: What to know of the cell and the motion, what is taken for granted included.
-        arms: How far every arm follows the motion of an object; empty where that is not asked or not known.
+        arms: Whether every arm follows the motion of an object; empty where that is not asked or not known.
         problem: Why the motion is impossible whatever the arms do, or as joints that are given; empty if it is not.
         clearance: How near bodies come to each other; None where that is not known.
     """
@@ -207,7 +200,7 @@ def check(
     *,
     progress: Progress = lambda _done, _total: None,
 ) -> CellCheck:
-    """Check a cell file, its URDFs and a motion, and how far each arm follows it.
+    """Check a cell file, its URDFs and a motion, and whether each arm follows it.
 
     Only the last needs a compiled library, a small one. What is wrong is found all at once and does not raise: it is
     listed in the answer.
@@ -284,29 +277,18 @@ def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | Coordin
 
 
 def reach_of(arm: Cell, motion: ObjectMotion) -> ArmReach:
-    """How far an arm follows the object, and from which posture it does where it does not from its own."""
-    (robot,), count = arm.robots, len(motion.time)
+    """Whether an arm follows the object, and from which posture it does where it does not from its own."""
+    (robot,) = arm.robots
     try:
-        near = _nearest_limit(robot, follow_object(arm, motion))
-        return ArmReach(robot=robot.name, samples=count, followed=count, nearest_limit=near)
+        return ArmReach(robot=robot.name, nearest_limit=_nearest_limit(robot, follow_object(arm, motion)))
     except MotionError as error:
         failure = str(error)
     starts = branches_at_start(arm, 0, motion, STARTS)
     nearest = np.argsort(np.max(np.abs(starts - robot.posture), axis=1), kind="stable")
     starts = starts[nearest][:MOST_TRACKS]
-    tracks = follow_from(arm, motion, starts) if len(starts) else None
-    ends = [] if tracks is None else [tracks.of_arm(way, 0) for way in range(len(starts))]
-    last = max((end for end in ends if end is not None), key=lambda end: end.sample, default=None)
-    leads = None in ends
-    return ArmReach(
-        robot=robot.name,
-        samples=count,
-        followed=count if leads else 0 if last is None else last.sample,
-        failure=failure,
-        ways=len(starts),
-        posture=starts[ends.index(None)] if leads else None,
-        furthest="" if leads or last is None else last.message,
-    )
+    leads = np.flatnonzero(follow_from(arm, motion, starts).followed).tolist() if len(starts) else []
+    posture = starts[leads[0]] if leads else None
+    return ArmReach(robot=robot.name, failure=failure, ways=len(starts), posture=posture)
 
 
 def _nearest_limit(robot: Robot, motion: CoordinatedMotion) -> str:
