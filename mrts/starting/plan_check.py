@@ -191,6 +191,8 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
         torque, wrench = _best_torques(cell, motion)
     done = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
     dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], _at(motion, rows)
+    kept = moving_rows(time, given["q"], dq, ddq)
+    moving = time[kept], given["q"][kept], dq[kept], ddq[kept]
     near, said = clearance_remarks(cell, at_rows)
     uses = [
         *limit_uses(done),
@@ -206,7 +208,7 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
         time=time,
         given=tuple(given),
         uses=tuple(by_share(uses)),
-        contradictions=tuple(_contradictions(cell, time, given["q"], dq, ddq)) if "dq" in given else (),
+        contradictions=tuple(map(str, joint_contradictions(cell.joint_names, *moving))) if "dq" in given else (),
         remarks=(*_pushing(dq, ddq), *overload_remarks(done), *said),
         clearance=near,
     )
@@ -339,11 +341,6 @@ def _uses(names: Sequence[RowName], time: Array, values: Array, limit: Array) ->
     """Of sizes with a largest value each, 0 where nothing is to compare with: then 1 is 100 %."""
     unit, wide = np.where(limit > 0, limit, 1.0), np.broadcast_to(limit, values.shape)
     return list(LimitedQuantities(tuple(names), values, np.zeros_like(wide), wide, values / unit, unit).uses(time))
-
-
-def _contradictions(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> Iterator[str]:
-    kept = moving_rows(time, q, dq, ddq)
-    yield from map(str, joint_contradictions(cell.joint_names, time[kept], q[kept], dq[kept], ddq[kept]))
 
 
 def _pushing(dq: Array, ddq: Array) -> tuple[Remark, ...]:

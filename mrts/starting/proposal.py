@@ -88,6 +88,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
     own = sum(float(np.sum(arm.robot.source.carried_mass)) for arm in request.arms)
     first = request.mass or (LOAD_SHARE * own if own > 0 else 1.0)
     reason = ""
+    colliding: list[Proposal] = []
     for lift, share_of_lift in enumerate(LIFTS):
         found: list[Layout] = []
         for load, share_of_load in enumerate(LOADS):
@@ -98,7 +99,6 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
             except MotionError as error:
                 reason = reason or str(error)
                 continue
-            colliding: list[Proposal] = []
             for layout in found[:TRIED_LAYOUTS]:
                 try:
                     tried = _tried(request, layout, mass)
@@ -108,8 +108,10 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
                 if all(remark.severity != "hint" for remark in tried.collisions):
                     return tried
                 colliding.append(tried)
-            if colliding:
-                return colliding[0]
+            if colliding:  # a lighter box would alike; a shorter lift may not
+                break
+    if colliding:
+        return colliding[0]
     with_loads = "" if request.mass is None else f" with {request.mass:g} kg, nor with {mass:g} kg"
     raise MotionError(f"nothing was found that can be played{with_loads}. The last try: {reason}")
 
@@ -166,10 +168,10 @@ def _cell_keys(request: Request, layout: Layout, mass: float) -> dict[str, Any]:
 
 def _robot_keys(request: Request, arm: Arm, stand: Stand, layout: Layout, mass: float) -> dict[str, Any]:
     chain = arm.robot
-    T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
+    T = RigidTransform(stand.T_world_tip.R, np.round(stand.T_world_tip.p - layout.position, 9) + 0.0)
     robot: dict[str, Any] = {"name": chain.name, "urdf": arm.urdf}
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
-    robot |= {"base": short_pose(stand.T_world_base), "grasp": short_pose(T), "posture": stand.posture.tolist()}
+    robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
     if arm.without_effort:
         known = chain.torque_upper
         robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, arm, mass)).tolist()
@@ -189,14 +191,6 @@ def _rounded_up(number: float) -> float:
     """To two digits."""
     step = 10.0 ** (floor(log10(number)) - 1)
     return float(f"{ceil(number / step) * step:.2g}")
-
-
-def short_pose(T: RigidTransform) -> dict[str, list[float]]:
-    """`pose_keys` in few digits, `rpy` only where it turns."""
-    keys = pose_keys(RigidTransform(T.R, np.round(T.p, 9) + 0.0))
-    if np.array_equal(T.R, np.eye(3)):
-        del keys["rpy"]
-    return keys
 
 
 def cell_file(proposal: Proposal) -> str:

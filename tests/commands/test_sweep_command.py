@@ -32,7 +32,7 @@ def test_a_study_is_solved_said_and_written(tmp_path):
     folder = tmp_path / "out" / "best-1"
     first = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "motion.yaml"), between=None)
     assert first.trajectory.duration == pytest.approx(fastest["duration"], rel=1e-9)
-    assert lines == ["", "written:", f"  {tmp_path / 'out'}"]
+    assert lines == ["", "written:", *(f"  {folder.with_name(name)}" for name in ("best-1", "best-2"))]
     assert len([*folder.parent.glob("best-*/*")]) == 2 * 2
     again = mrts_command("sweep", study_file(tmp_path), "-o", tmp_path / "out", "--top", 9)
     assert (again.returncode, again.stdout) == (0, done.stdout)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 from draws import draws
-from layouts import DATA, Layouts, write_study
+from layouts import Layouts, write_study
 from shipped_cells import shipped, shipped_motion
 
 STEP = 1e-5
@@ -37,50 +37,29 @@ MOTORS = {
 }
 
 
-def motion_of(folder, cell):
-    """The shipped motion of a cell with fewer samples."""
-    (folder / "motion.yaml").write_text(yaml.safe_dump(shipped_motion(cell, samples=SAMPLES)), encoding="utf-8")
-    return folder / "motion.yaml"
+CASES = {
+    "dual": {"cell": "dual_ur5"},
+    "planar": {"cell": "planar_dual_arm", "reserve": 0.1},
+    "pads in tip axes, which turn with the grasps": {"cell": "squeeze"},
+    "motors": {"cell": "dual_ur5", "motors": MOTORS, "torque": [150, 150, 150, 60, 60, 60]},
+    "uncertain load": {"cell": "dual_ur5", "variation": {"mass": [0.5, 1.5], "mz": [-0.5, 0.5]}},
+}
 
 
-def dual_ur5(folder):
-    return write_study(folder, shipped("dual_ur5"), motion_of(folder, "dual_ur5"), UR5_VARY)
-
-
-def planar(folder):
-    return write_study(
-        folder, shipped("planar_dual_arm"), DATA / "planar_dual_arm" / "lift.yaml", PLANAR_VARY, reserve=0.1
-    )
-
-
-def squeeze(folder):
-    """Pads in tip axes, whose rows turn with the grasps."""
-    return write_study(folder, shipped("squeeze"), motion_of(folder, "squeeze"), UR5_VARY)
-
-
-def with_motors(folder):
-    torque = [150, 150, 150, 60, 60, 60]
-    return write_study(
-        folder, shipped("dual_ur5", motors=MOTORS, torque=torque), motion_of(folder, "dual_ur5"), UR5_VARY
-    )
-
-
-def uncertain_load(folder):
-    cell = shipped("dual_ur5")
-    cell["object"]["variation"] = {"mass": [0.5, 1.5], "mz": [-0.5, 0.5]}
-    return write_study(folder, cell, motion_of(folder, "dual_ur5"), UR5_VARY)
-
-
-CASES = (dual_ur5, planar, squeeze, with_motors, uncertain_load)
+def study_of(folder, cell, variation=None, reserve=None, **robots):
+    """A study of a shipped cell, its motion with fewer samples."""
+    keys, motion = shipped(cell, **robots), folder / "motion.yaml"
+    keys["object"] |= {} if variation is None else {"variation": variation}
+    motion.write_text(yaml.safe_dump(shipped_motion(cell, samples=SAMPLES)), encoding="utf-8")
+    vary = PLANAR_VARY if cell == "planar_dual_arm" else UR5_VARY
+    return write_study(folder, keys, motion, vary, **({} if reserve is None else {"reserve": reserve}))
 
 
 @pytest.mark.parametrize(
-    "case",
-    [with_motors, *(pytest.param(case, marks=pytest.mark.slow) for case in CASES if case is not with_motors)],
-    ids=lambda case: case.__name__,
+    "name", ["motors", *(pytest.param(name, marks=pytest.mark.slow) for name in CASES if name != "motors")]
 )
-def test_the_slope_is_that_of_scale(case, tmp_path):
-    layouts = Layouts.of(case(tmp_path))
+def test_the_slope_is_that_of_scale(name, tmp_path):
+    layouts = Layouts.of(study_of(tmp_path, **CASES[name]))
     bounds = np.array([parameter.distribution.numbers for parameter in layouts.study.parameters])
     rng = np.random.default_rng(5)
     slopes = []
