@@ -177,11 +177,9 @@ def _is_automatic(given: dict[str, Any]) -> bool:
 
 
 def _words(found: "ScalingResult | RetimingResult", card: "Card | None", search: "ReserveSearch | None") -> list[str]:
-    from mrts.output.summary_lines import retiming_lines, scaling_lines
-    from mrts.scaling.result import ScalingResult
+    from mrts.output.summary_lines import answer_lines
 
-    lines = scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card)
-    return [*lines, *([] if search is None else ["", *search.lines()])]
+    return [*answer_lines(found, card), *([] if search is None else ["", *search.lines()])]
 
 
 def _check(profile: str, given: dict[str, Any]) -> None:

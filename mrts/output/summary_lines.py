@@ -10,7 +10,6 @@ from mrts.scaling.result import Result, ScalingResult
 
 if TYPE_CHECKING:
     from mrts.scaling.loads import LoadStudy
-    from mrts.scaling.what_if import WhatIf
     from mrts.timing.result import RetimingResult
 
 LOADS_SHOWN = 8
@@ -20,17 +19,19 @@ LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
 
 
-def scaling_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
+def answer_lines(result: "ScalingResult | RetimingResult", card: Card | None) -> Iterator[str]:
     """What the command line says of a result, with the nearest limits of its card as bars; without one, all."""
     yield f"{result.cell.name}: {result.sentence()}"
     yield from map(str, result.warnings)
-    if result.load is not None:
-        yield from _load_lines(result.load)
-    yield from _plan_lines(result, card)
-    yield from _what_if_lines(result.changes)
+    yield from _plan_lines(result, card) if isinstance(result, ScalingResult) else _timing_lines(result, card)
+    if result.changes is not None:
+        yield ""
+        yield from result.changes.lines()
 
 
 def _plan_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
+    if result.load is not None:
+        yield from _load_lines(result.load)
     done = result.trajectory
     if done is None:
         return
@@ -39,20 +40,6 @@ def _plan_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     yield f"reserve: {result.reserve}"
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
     yield from _limit_lines(result, card)
-
-
-def retiming_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
-    """What the command line says of a timing; `card` as in `scaling_lines`."""
-    yield f"{found.cell.name}: {found.sentence()}"
-    yield from map(str, found.warnings)
-    yield from _timing_lines(found, card)
-    yield from _what_if_lines(found.changes)
-
-
-def _what_if_lines(changes: "WhatIf | None") -> Iterator[str]:
-    if changes is not None:
-        yield ""
-        yield from changes.lines()
 
 
 def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:

@@ -186,22 +186,15 @@ def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
 
 def load_plot(results: Mapping[str, ScalingResult]) -> Plot:
     """c²⁺(t) of results by label, such as "nominal" and "guaranteed", and how fast each lets the motion be played."""
-    items = [item for index, (label, found) in enumerate(results.items()) for item in _upper(found.range, label, index)]
-    time = next(iter(results.values())).range.samples.time
-    top = max(c2_ends(found.range)[1] for found in results.values())
-    return one_panel("loads", _load_panel("Largest c² at each sample", time, items, (0.0, top)), "given")
-
-
-def _load_panel(title: str, time: Array, items: Sequence[Item], ends: tuple[float, float]) -> Panel:
-    return Panel(title=title, x=time_axis(time, GIVEN_TIME), y=Axis(label="largest c² [1]", ends=ends), items=items)
-
-
-def _upper(found: ScalingRange, label: str, index: int, width: float = 1.5) -> list[Item]:
-    samples, end = found.samples, found.upper
-    known = end is not None and np.isfinite(end.c2) and found.status.admits_motion
-    reach = f"c²⁺ = {end.c2:.4g}" if end is not None and known else found.status.value
-    items: list[Item] = [Line(x=samples.time, y=samples.upper, label=f"{label} ({reach})", width=width, **look(index))]
-    if end is not None and end.time is not None:
-        at, color = np.array([end.time]), COLOURS[index % len(COLOURS)]
-        items.append(Points(x=at, y=np.array([end.c2]), color=color))
-    return items
+    items: list[Item] = []
+    for index, (label, result) in enumerate(results.items()):
+        found = result.range
+        time, end, admits = found.samples.time, found.upper, found.status.admits_motion
+        reach = f"c²⁺ = {end.c2:.4g}" if end is not None and np.isfinite(end.c2) and admits else found.status.value
+        items.append(Line(x=time, y=found.samples.upper, label=f"{label} ({reach})", **look(index)))
+        if end is not None and end.time is not None:
+            at, c2 = np.array([end.time]), np.array([end.c2])
+            items.append(Points(x=at, y=c2, color=COLOURS[index % len(COLOURS)]))
+    y = Axis(label="largest c² [1]", ends=(0.0, max(c2_ends(result.range)[1] for result in results.values())))
+    panel = Panel(title="Largest c² at each sample", x=time_axis(time, GIVEN_TIME), y=y, items=items)
+    return one_panel("loads", panel, "given")

@@ -5,14 +5,13 @@ from pathlib import Path
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
-from mrts.plots import phase_plane, range_plots, trajectory_plots
+from mrts.plots import phase_plane, range_plots, study_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.plan_plots import simulation_plot
 from mrts.plots.study_plots import StudyTable
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
-from mrts.report.study_page import study_html
 from mrts.scaling.result import ScalingResult, fallbacks_text
 from mrts.scene.scene import PACES
 from mrts.simulation.simulate import Simulation
@@ -37,7 +36,8 @@ def write_report(result: ScalingResult | RetimingResult | Simulation | StudyTabl
 def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable) -> str:
     """A report as text, with arguments of `write_report`; the same result gives the same text."""
     if isinstance(result, StudyTable):
-        return study_html(result)
+        title = f"{result.name}: {result.variants} variants"
+        return document("study.html", title, {}, study=result, plots=study_plots, tables=tables)
     if isinstance(result, Simulation):
         title = f"{result.plan.cell.name}: in closed loop"
         return document("simulation.html", title, {}, found=result, plot=simulation_plot(result))

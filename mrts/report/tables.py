@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""Tables of the report of a result: what was given, the range, limits and how far they are used, conflicts, loads."""
+"""Tables of the report of a result: what was given, nearest limits, motors, conflicts; and of a study."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from mrts.base.words import first_names
+from mrts.limits.rows import MOST_NAMES
 from mrts.plots.card import Card
+from mrts.plots.study_plots import OUTCOMES, StudyTable, percent
 from mrts.program.infeasibility import Conflict
 from mrts.scaling.result import ScalingResult
+
+MOST_BEST = 10
+"""Rows of the table of the best variants."""
 
 DECIMALS = 9
 """Of numbers in SI units: what is less is left over from sums of larger terms."""
@@ -114,3 +120,35 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Table:
     head = ("t", "all limits wider by", "these conflict, and how far each would have to move", "load")
     with_load = any(row[-1] for row in rows)
     return Table(head if with_load else head[:-1], rows if with_load else [row[:-1] for row in rows])
+
+
+def best_table(found: StudyTable) -> Table:
+    """The best variants; no line of a limit breaks before its arrow."""
+    head = ("variant", "duration [s]", "c²⁺ [1]", *found.titles.values(), "limited by")
+    rows: list[tuple[Entry, ...]] = []
+    for row in found.ranked[:MOST_BEST].tolist():
+        c2 = f"{found.c2[row]:.4g}" if np.isfinite(found.c2[row]) else ""
+        limits = first_names(found.limits(row), MOST_NAMES).split(", ")
+        numbers = (f"{found.duration[row]:.4g}", c2, *(f"{value:.4g}" for value in found.values[row].tolist()))
+        rows.append((str(found.rows["variant"].iloc[row]), *numbers, tuple(Styled(limit, "whole") for limit in limits)))
+    return Table(head, rows)
+
+
+def limit_counts_table(found: StudyTable) -> Table:
+    """Which limit binds how often."""
+    counts, total = found.limit_counts(found.admitted), int(np.sum(found.admitted))
+    rows = [(name, bar(count / total)) for name, count in counts]
+    return Table(("limit at c²⁺", "of all that can be played"), rows)
+
+
+def outcomes_table(found: StudyTable) -> Table:
+    """What became of the variants."""
+    counts = found.outcome_counts(np.ones(found.variants, dtype=bool))
+    rows = [(name, OUTCOMES[name], str(count), percent(count, found.variants)) for name, count in counts]
+    return Table(("outcome", "what it means", "variants", "share"), rows)
+
+
+def reasons_table(found: StudyTable) -> Table:
+    """Why variants have no speed."""
+    rows = [(outcome, Styled(reason, "prose"), str(count)) for outcome, reason, count in found.reasons()]
+    return Table(("outcome", "reason of the first", "variants alike"), rows)

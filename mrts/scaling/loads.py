@@ -137,7 +137,11 @@ def range_at_samples(
         return common_range(partial(motion_ranges, rows, options.solver, None), high), None
     box, every = load_box(rows.cell, options.load), options.load != "possible"
     points, varying = _loads(rows, options.load, box)
-    of_points = ranges_of_loads(rows, options, points, progress, high)
+    of_points = []
+    for number, point in enumerate(points):
+        progress(number, len(points))
+        of_points.append(common_range(partial(motion_ranges, rows, options.solver, point.load), high))
+    progress(len(points), len(points))
     not_converged: tuple[int, ...] = ()
 
     def find(below: float) -> SampleRanges:
@@ -154,7 +158,7 @@ def range_at_samples(
         return found
 
     found = common_range(find, high)
-    return found, LoadStudy(options.load, box, points, of_points, not_converged)
+    return found, LoadStudy(options.load, box, points, tuple(of_points), not_converged)
 
 
 def _loads(rows: MotionRows, question: str, box: LoadBox) -> tuple[tuple[LoadPoint, ...], tuple[str, ...]]:
@@ -168,18 +172,6 @@ def _loads(rows: MotionRows, question: str, box: LoadBox) -> tuple[tuple[LoadPoi
     varying = effective_parameters(rows.cell, rows.motion, box)
     middle = (box.nominal_point(),) if question == "possible" and varying else ()
     return (*box.corners(varying), *middle), varying
-
-
-def ranges_of_loads(
-    rows: MotionRows, options: Options, points: Sequence[LoadPoint], progress: Progress, high: float
-) -> tuple[ScalingRange, ...]:
-    """The range over the motion of each load; arguments as in `range_at_samples`."""
-    found = []
-    for number, point in enumerate(points):
-        progress(number, len(points))
-        found.append(common_range(partial(motion_ranges, rows, options.solver, point.load), high))
-    progress(len(points), len(points))
-    return tuple(found)
 
 
 def effective_parameters(

@@ -50,21 +50,6 @@ NORMAL_DIFFERENCE = 0.3186 * 70**0.5
 REMARKED = 1e-3
 """Share by which c²⁺ must be less between given samples than at them to be told: it shows in the digits printed."""
 
-EXCEEDS_RATED_TORQUE = "above-rated"
-"""Code of the remark on torques that a motor does not bear for ever."""
-
-EXCEEDS_POWER = "above-power"
-"""Code of the remark on power above that of the motors, or of their supply: reported only."""
-
-EXCEEDS_RATE_LIMIT = "rate-passed"
-"""Code of the remark on rates that pass their limit, which nothing keeps."""
-
-EXCEEDS_VELOCITY = "velocity-passed"
-"""Code of the remark on velocities above limits that are not enforced."""
-
-STEPS = "step-at-ends"
-"""Code of the remark on torques that must jump where a motion starts or ends, whatever its speed."""
-
 RATE_TOLERANCE = 1e-6
 """Share by which a rate may pass its limit before it is told: rounding, of differences of neighbouring samples."""
 
@@ -238,27 +223,27 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
         f"for ever ('rated'{also}): repeated without a pause it overheats. Pause without the load, or carry "
         "less; to play the motion slower saves only what its accelerations take."
     )
-    return (Remark(EXCEEDS_RATED_TORQUE, text),)
+    return (Remark("above-rated", text),)
 
 
 def _above_power(done: ScaledTrajectory) -> tuple[Remark, ...]:
     """Power is a product of torque and speed, so no linear row: the limits are reported against, and not kept."""
     advice = "Power is reported only: a slower motion takes less."
-    return _passing(by_share(power_uses(done)), EXCEEDS_POWER, advice)
+    return _passing(by_share(power_uses(done)), "above-power", advice)
 
 
 def _fast_rates(result: "ScalingResult") -> tuple[Remark, ...]:
     if result.options.rates is not None:
         return _steps_at_ends(result.motion)
     advice = "--rates cell keeps them, at a speed that varies --profile smooth (in Python rates=True)."
-    return _passing(rate_uses(result), EXCEEDS_RATE_LIMIT, f"Rates are reported only; {advice}")
+    return _passing(rate_uses(result), "rate-passed", f"Rates are reported only; {advice}")
 
 
 def _fast_joints(result: "ScalingResult") -> tuple[Remark, ...]:
     if result.cell.enforces_velocity_limits:
         return ()
     uses = by_share(use for use in result.limit_uses if use.name.kind == "velocity")
-    return _passing(uses, EXCEEDS_VELOCITY, "Velocity limits are not kept, as was asked.")
+    return _passing(uses, "velocity-passed", "Velocity limits are not kept, as was asked.")
 
 
 def _passing(uses: list[LimitUse], code: str, advice: str) -> tuple[Remark, ...]:
@@ -285,4 +270,4 @@ def _steps_at_ends(motion: CoordinatedMotion) -> tuple[Remark, ...]:
         "speed. The rates are kept in between; a profile that starts and ends without acceleration (quintic, or "
         "--profile smooth) has no such jump."
     )
-    return (Remark(STEPS, text),)
+    return (Remark("step-at-ends", text),)

@@ -15,7 +15,7 @@ from shown_results import result_of, with_all_rates, with_changes
 
 import mrts
 from mrts.limits.cell_limits import torque_limits
-from mrts.output.summary_lines import retiming_lines, scaling_lines
+from mrts.output.summary_lines import answer_lines
 from mrts.output.trajectory_table import played_rows
 from mrts.plots.card import answer_card
 from mrts.report import report_html
@@ -56,7 +56,7 @@ def test_everything_comes_back(kind, planar_cell, lift, tmp_path):
     again = mrts.load_result(tmp_path / "result.npz")
     assert again.json_text() == result.json_text()
     assert same_cell(again.cell, result.cell)
-    assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
+    assert list(answer_lines(again, answer_card(again))) == list(answer_lines(result, answer_card(result)))
     mrts.save_result(again, tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "result.npz").read_bytes()
 
@@ -150,7 +150,7 @@ def test_a_timing_comes_back_whole(timing, planar_cell, lift, tmp_path):
     again = mrts.load_result(tmp_path / "timing.npz")
     assert type(again) is mrts.RetimingResult
     assert again.json_text() == found.json_text()
-    assert list(retiming_lines(again, answer_card(again))) == list(retiming_lines(found, answer_card(found)))
+    assert list(answer_lines(again, answer_card(again))) == list(answer_lines(found, answer_card(found)))
     assert report_html(again) == report_html(found)
     assert again.options == found.options
     mrts.save_result(again, tmp_path / "again.npz")

@@ -10,7 +10,7 @@ from random_motors import equipped
 
 import mrts
 from mrts.limits.rows import TORQUE_SPEED
-from mrts.output.summary_lines import scaling_lines
+from mrts.output.summary_lines import answer_lines
 from mrts.plots import result_plots, write_plots
 from mrts.plots.card import MOST_BARS, answer_card
 from mrts.scaling.limit_use import limited_quantities, limited_rows, rate_uses
@@ -63,7 +63,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     mrts.write_report(result, tmp_path / "report.html")
     mrts.save_result(result, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz")
-    assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
+    assert list(answer_lines(again, answer_card(again))) == list(answer_lines(result, answer_card(result)))
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
     assert {row[0] for row in result.limits_table().rows} == {use.label for use in result.uses}
 
