@@ -25,9 +25,6 @@ OPTIMALITY_TOLERANCE = 1e-9
 GRADIENT_TOLERANCE = 1e-12
 """The same for the gradient of a quadratic cost, so that torques of small weight are right as well."""
 
-HIGHS_TOLERANCE = 1e-10
-"""Asked of HiGHS, whose default of 1e-7 is coarser than what an answer must pass."""
-
 Mask = np.typing.NDArray[np.bool_]
 
 
@@ -183,41 +180,14 @@ def _qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Fo
     return solved["x"].full().T, solved["lam_a"].full().T, solved["lam_x"].full().T
 
 
-def scipy_highs(programs: ConvexPrograms) -> Found:
-    """SciPy's HiGHS for linear programs, one at a time: slow and hard to defeat; quadratic ones get no answer."""
-    from scipy.optimize import linprog  # noqa: PLC0415 (not needed otherwise)
-
-    g, A, lower, upper = programs.g, programs.A, programs.lower, programs.upper
-    x, row_dual, bound_dual = np.zeros_like(g), np.zeros_like(lower), np.zeros_like(g)
-    for sample in range(0 if programs.H is not None else len(g)):
-        has_upper, has_lower = np.isfinite(upper[sample]), np.isfinite(lower[sample])
-        solved = linprog(
-            g[sample],
-            A_ub=np.concatenate([A[sample, has_upper], -A[sample, has_lower]]),
-            b_ub=np.concatenate([upper[sample, has_upper], -lower[sample, has_lower]]),
-            bounds=np.column_stack([programs.x_lower[sample], programs.x_upper[sample]]).tolist(),
-            method="highs-ds",
-            options={"primal_feasibility_tolerance": HIGHS_TOLERANCE, "dual_feasibility_tolerance": HIGHS_TOLERANCE},
-        )
-        if solved.status != 0:
-            continue
-        x[sample] = solved.x
-        count = int(np.sum(has_upper))
-        row_dual[sample, has_upper] -= solved.ineqlin.marginals[:count]
-        row_dual[sample, has_lower] += solved.ineqlin.marginals[count:]
-        bound_dual[sample] = -(solved.lower.marginals + solved.upper.marginals)
-    return x, row_dual, bound_dual
-
-
 SOLVERS: dict[str, Callable[[ConvexPrograms], Found]] = {
     "kernel": kernel,
     "qpsol:qpoases": qpoases,
-    "scipy:highs": scipy_highs,
 }
 
-FALLBACKS = (scipy_highs, qpoases, daqp)
-"""Asked in this order for what the chosen solver does not get right; between them they solve both kinds. DAQP is no
-choice by itself: it gets the quadratic programs that qpOASES leaves."""
+FALLBACKS = (qpoases, daqp)
+"""Asked in this order for what the chosen solver does not get right. DAQP is no choice by itself: it gets the quadratic
+programs that qpOASES leaves."""
 
 
 def check_solver(name: str) -> None:

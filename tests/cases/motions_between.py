@@ -84,7 +84,7 @@ def draw(rng, cell, kind, folder):
 
 
 def dense_excess(cell, motion, c2, loads=(None,)):
-    """By how much all limits must move outward for a c² at the worst sample of a motion, by HiGHS."""
+    """By how much all limits must move outward for a c² at the worst sample of a motion, by qpOASES."""
     dense = coordinate(cell, motion)
     worst = 0.0
     for load in loads:
@@ -94,5 +94,5 @@ def dense_excess(cell, motion, c2, loads=(None,)):
             several = beyond[np.argsort(found.upper[beyond])][:40]
             carried = None if load is None else np.tile(load, (dense.samples, 1))
             problem = build_sample_problem(motion_rows(cell, dense), load=carried, samples=several)
-            worst = max(worst, float(np.max(widening_at(problem, c2, "scipy:highs", "the dense excess"))))
+            worst = max(worst, float(np.max(widening_at(problem, c2, "qpsol:qpoases", "the dense excess"))))
     return worst

@@ -14,7 +14,7 @@ from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import TIE
 from mrts.scaling.range import intersect
 
-SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
+SOLVERS = ("kernel", "qpsol:qpoases")
 
 TIGHT = 1e-7
 """Distance of a row from its limit at a solution, as a share of it, that is rounding."""
@@ -46,7 +46,7 @@ def problem_of(A, lower, upper):
 
 def binding_at_the_top(problem):
     """Rows with a multiplier at the largest c², each with its side, 1 at the upper limit; None if there is no end."""
-    found = ends_of_problem(problem, "scipy:highs", np.inf)
+    found = ends_of_problem(problem, "qpsol:qpoases", np.inf)
     if found.undecided.size or not np.isfinite(found.upper[0]):
         return None
     return [(abs(code) - 1, np.sign(code)) for code in found.codes[1, 0].tolist() if code != 0]

@@ -19,7 +19,7 @@ from mrts.program.widening import widening_at
 SAME = 1e-9
 """Ends of c from different solvers and paths, relative."""
 
-SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
+SOLVERS = ("kernel", "qpsol:qpoases")
 
 OUTSIDE = 1e-4
 """Just outside of an end, relative: there limits must move by more than rounding."""

@@ -25,7 +25,7 @@ def slowing(tmp_path):
 
 @pytest.mark.quick
 @pytest.mark.parametrize("sharing", SHARINGS)
-@pytest.mark.parametrize("solver", ["kernel", "qpsol:qpoases", "scipy:highs"])
+@pytest.mark.parametrize("solver", ["kernel", "qpsol:qpoases"])
 @pytest.mark.parametrize("formulation", ["wrench", "torque"])
 def test_the_range_is_the_highest_interval_where_rotor_inertia_helps(slowing, sharing, solver, formulation):
     result = mrts.scale(slowing, Slowing().motion(), sharing=sharing, solver=solver, formulation=formulation)
