@@ -23,9 +23,9 @@ from mrts.program.solvers import DEFAULT_SOLVER, Answers, ConvexPrograms, scales
 BINDING_TOLERANCE = 1e-7
 """A row binds if its multiplier exceeds this share of the largest, or, where c² is the only unknown, it ties so."""
 
-Codes = NDArray[np.int32]
-"""Rows that bind at the lower and the upper ends of N samples, strongest first, Shape (2, N, k): 1 + row at its upper
-limit, -1 - row at its lower one, -1 - r for c² >= 0, 0 for none."""
+Duals = NDArray[np.float32]
+"""Multipliers of r rows and of c² >= 0 at the lower and the upper ends of N samples, Shape (2, N, r + 1): positive at a
+row's upper limit, negative at its lower one, 0 where it does not bind. Those of one end are compared, no more."""
 
 
 @dataclass
@@ -35,7 +35,7 @@ class RangeEnds:
     Attributes:
         lower: Infinity where there is none, Shape (N,).
         upper: Infinity where nothing bounds it, minus infinity where there is none, Shape (N,).
-        codes: Rows that bind.
+        duals: What binds.
         status: Status of the kernel, Shape (N,): `OPTIMAL` where the ends are known.
         below: A c² between the interval and the next one below, 0 where there is none, Shape (N,). Of an interval that
             is not the highest one it is that of the highest.
@@ -45,18 +45,18 @@ class RangeEnds:
 
     lower: Array
     upper: Array
-    codes: Codes
+    duals: Duals
     status: NDArray[np.uint8]
     below: Array
     effect: Array
     fallbacks: int = 0
 
     @classmethod
-    def unknown(cls, samples: int) -> "RangeEnds":
+    def unknown(cls, samples: int, rows: int) -> "RangeEnds":
         """Nothing of any sample."""
         none = np.full(samples, np.inf)
         status = np.full(samples, STOPPED, dtype=np.uint8)
-        return cls(none, -none, np.zeros((2, samples, 0), np.int32), status, *np.zeros((2, samples)))
+        return cls(none, -none, np.zeros((2, samples, rows + 1), np.float32), status, *np.zeros((2, samples)))
 
     @property
     def undecided(self) -> NDArray[np.intp]:
@@ -65,17 +65,10 @@ class RangeEnds:
 
     def replace(self, samples: NDArray[np.intp], other: "RangeEnds") -> None:
         """Take some samples from another batch."""
-        self.codes, theirs = same_width(self.codes, other.codes)
-        self.codes[:, samples] = theirs
+        self.duals[:, samples] = other.duals
         for name in ("lower", "upper", "status", "below", "effect"):
             getattr(self, name)[samples] = getattr(other, name)
         self.fallbacks += other.fallbacks
-
-
-def same_width(*parts: Codes) -> list[Codes]:
-    """Codes with zeros behind them, so that all have as many."""
-    wide = max(codes.shape[2] for codes in parts)
-    return [np.pad(codes, ((0, 0), (0, 0), (0, wide - codes.shape[2]))) for codes in parts]
 
 
 def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
@@ -88,7 +81,7 @@ def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     name, between = ("mrts_speed_ranges", [below]) if speeds else ("mrts_ranges", [])
     outputs = [lower, upper, *between, *status, effect, *basis, *dual]
     rows.over_samples(name, [np.minimum(most, INFINITY)], outputs, load=load)
-    return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), below, effect)
+    return RangeEnds(lower, upper, _duals_of_bases(rows, basis, dual), np.max(status, axis=0), below, effect)
 
 
 def ends_of_rows(problem: SampleProblem) -> RangeEnds:
@@ -104,46 +97,41 @@ def ends_of_rows(problem: SampleProblem) -> RangeEnds:
     reached = np.stack([lower, upper])[:, :, None]
     tied = (np.abs(ends - np.where(np.isfinite(reached), reached, 0.0)) <= BINDING_TOLERANCE * reached) & (reached > 0)
     side = np.where(a > 0, 1, -1) * np.array([-1, 1])[:, None, None]
-    codes = _with_standstill(np.where(tied, side * (1 + kept), 0), lower == 0, len(problem.is_cap))
+    dual = np.zeros((2, *problem.lower.shape))
+    dual[:, :, kept] = tied * side
     status = np.where(lower <= upper, OPTIMAL, INFEASIBLE).astype(np.uint8)
-    return RangeEnds(lower, upper, codes, status, np.zeros(len(lower)), problem.effect(caps=True))
+    duals = binding_duals(dual, lower == 0)
+    return RangeEnds(lower, upper, duals, status, np.zeros(len(lower)), problem.effect(caps=True))
 
 
-def _codes_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Codes:
-    """Codes of the kernel's bases and their multipliers, Shape (2, N, k) each.
+def _duals_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Duals:
+    """Multipliers of the kernel's bases and theirs, Shape (2, N, k) each.
 
     It has the r rows that are no caps; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
     """
-    given, kept = rows.given, np.flatnonzero(~rows.is_cap)
+    count, kept, size = len(rows.given.names), np.flatnonzero(~rows.is_cap), np.abs(dual)
+    binds_there = (size > BINDING_TOLERANCE * np.max(size, axis=2, initial=0.0, keepdims=True)) & (basis != 0)
+    binds_there &= (np.abs(basis) <= len(kept)) | (basis < 0)
+    place = np.append(kept, count)[np.clip(np.abs(basis) - 1, 0, len(kept))]
+    duals = np.zeros((2, len(rows.most), count + 2), dtype=np.float32)
+    np.put_along_axis(duals, np.where(binds_there, place, count + 1), np.copysign(size, basis), axis=2)
+    return duals[:, :, :-1]
+
+
+def binding_duals(dual: Array, standstill: NDArray[np.bool_]) -> Duals:
+    """Multipliers of rows, Shape (2, N, r), without rounding, and where c² >= 0 binds at the lower end, Shape (N,)."""
     size = np.abs(dual)
-    order = np.argsort(-size, axis=2, kind="stable")
-    sides, size = np.take_along_axis(basis, order, axis=2).astype(np.int32), np.take_along_axis(size, order, axis=2)
-    strong = (size > BINDING_TOLERANCE * size[:, :, :1]) & (sides != 0)
-    row, of_c2 = np.abs(sides) - 1, np.abs(sides) > len(kept)
-    place = np.append(kept, len(given.names))[np.where(of_c2 | (sides == 0), len(kept), row)]
-    code = np.where(sides > 0, 1 + place, -1 - place)
-    return np.where(strong & ~(of_c2 & (sides > 0)), code, 0).astype(np.int32)
-
-
-def codes_of_duals(dual: Array, standstill: NDArray[np.bool_]) -> Codes:
-    """Codes of the rows with a multiplier at both ends, Shape (2, N, r), and where c² >= 0 binds too, Shape (N,)."""
-    size = np.abs(dual)
-    order = np.argsort(-size, axis=2, kind="stable")
-    strong = size > BINDING_TOLERANCE * np.max(size, axis=2, initial=0.0, keepdims=True)
-    codes = np.where(strong, np.where(dual > 0, 1, -1) * np.arange(1, dual.shape[2] + 1), 0)
-    return _with_standstill(np.take_along_axis(codes, order, axis=2), standstill, dual.shape[2])
-
-
-def _with_standstill(codes: NDArray[np.int_], standstill: NDArray[np.bool_], rows: int) -> Codes:
-    first = np.stack([np.where(standstill, -1 - rows, 0), np.zeros(len(standstill), dtype=int)])
-    return np.concatenate([first[:, :, None], codes], axis=2).astype(np.int32)
+    strong = np.where(size > BINDING_TOLERANCE * np.max(size, axis=2, initial=0.0, keepdims=True), dual, 0.0)
+    still = np.stack([np.where(standstill, -np.inf, 0.0), np.zeros(len(standstill))])
+    return np.concatenate([strong, still[:, :, None]], axis=2).astype(np.float32)
 
 
 def with_caps(ends: RangeEnds, cap_share: Array, cap_code: NDArray[np.int_]) -> RangeEnds:
     """The same ends with the caps that bind at the upper ones; arguments as in `MotionRows`."""
     at_cap = np.isfinite(ends.upper) & (ends.upper >= (1 - BINDING_TOLERANCE) * largest_square(cap_share))
-    caps = np.where(at_cap[:, None] & binds(cap_share), cap_code, 0)
-    ends.codes = np.concatenate([np.stack([np.zeros_like(caps), caps]), ends.codes], axis=2).astype(np.int32)
+    sample, cap = np.nonzero(at_cap[:, None] & binds(cap_share))
+    code = cap_code[sample, cap]
+    ends.duals[1, sample, np.abs(code) - 1] = np.copysign(np.inf, code)
     return ends
 
 
@@ -200,7 +188,7 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool 
     return RangeEnds(
         lower=np.maximum(least.x[:, -1], 0.0) * unit,
         upper=np.where(free, np.inf, largest.x[:, -1] * unit),
-        codes=codes_of_duals(dual, still > BINDING_TOLERANCE * weight),
+        duals=binding_duals(dual, still > BINDING_TOLERANCE * weight),
         status=np.where(least.verified & largest.verified, OPTIMAL, MARGINAL).astype(np.uint8),
         below=np.zeros(count),
         effect=effect,
@@ -237,7 +225,7 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
 
 
 def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
-    """The highest interval of c² up to `most`, Shape (N,), that each sample admits; `codes` leave out caps."""
+    """The highest interval of c² up to `most`, Shape (N,), that each sample admits; `duals` leave out caps."""
     assert problem.speed is not None  # noqa: S101 (asked of rows with a column of ṙ)
     rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
@@ -259,7 +247,7 @@ def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
     dual[:, :, rows] = of_rows * row
     high = np.where(effect == 0, cap, high)
     low[nothing], high[nothing], below[nothing] = np.inf, -np.inf, 0.0
-    return RangeEnds(low, high, codes_of_duals(dual, low == 0), status, below, effect)
+    return RangeEnds(low, high, binding_duals(dual, low == 0), status, below, effect)
 
 
 WIDER = 3e-9

@@ -20,13 +20,12 @@ from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_con
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_ends import (
-    Codes,
+    Duals,
     RangeEnds,
     ends_of_problem,
     intervals_below,
     kernel_ends,
     rows_at_end,
-    same_width,
     with_caps,
 )
 from mrts.program.range_status import RangeStatus
@@ -63,12 +62,12 @@ class SampleRanges:
         upper: c²⁺(t), Shape (N,); minus infinity where infeasible, infinity where unbounded.
         names: Names of the r rows.
         limits: Their lower and upper limits as given, Shape (2, r).
-        codes: Which of them bind at both ends of each sample.
+        duals: Which of them bind at both ends of each sample.
         gaps: Whether a sample admits other intervals of c² as well, Shape (N,).
         conflicts: One for each infeasible sample, in order.
         fallbacks: Programs that the chosen solver did not solve and another did.
         loads: If the load is uncertain, the loads that set the lower and the upper end of each sample.
-        asked: From what the rows of a sample are made again; None where `codes` has all that bind.
+        asked: From what the rows of a sample are made again; None where `duals` has all that bind.
     """
 
     time: Array
@@ -76,7 +75,7 @@ class SampleRanges:
     upper: Array
     names: tuple[RowName, ...]
     limits: Array
-    codes: Codes
+    duals: Duals
     gaps: NDArray[np.bool_]
     conflicts: tuple[Conflict, ...] = ()
     fallbacks: int = 0
@@ -102,7 +101,7 @@ class SampleRanges:
         some: dict[str, Any] = {name: getattr(self, name)[places] for name in AT_SAMPLES}
         if self.loads is not None:
             some["loads"] = tuple([own[place] for place in places.tolist()] for own in self.loads)
-        return replace(self, **some, codes=self.codes[:, places], conflicts=(), asked=None)
+        return replace(self, **some, duals=self.duals[:, places], conflicts=(), asked=None)
 
     def load_at(self, sample: int, side: Side) -> LoadPoint | None:
         """The load that sets one end of a sample; None where the load is known."""
@@ -110,13 +109,12 @@ class SampleRanges:
 
     def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """Rows that bind at one end of a sample; where more meet than determine it, some of them."""
-        found = []
-        for code in self.codes[SIDES.index(side), sample].tolist():
-            row, upper = abs(code) - 1, code > 0
+        dual, found = self.duals[SIDES.index(side), sample], []
+        for row in np.argsort(-np.abs(dual), kind="stable")[: np.count_nonzero(dual)].tolist():
             if row == len(self.names):
                 found.append(ActiveRow(STANDSTILL, "lower", 0.0))
-            elif code:
-                found.append(ActiveRow.of(self.names[row], *self.limits[:, row].tolist(), at_upper=upper))
+            else:
+                found.append(ActiveRow.of(self.names[row], *self.limits[:, row].tolist(), at_upper=bool(dual[row] > 0)))
         return tuple(dict.fromkeys(found))
 
     def all_binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
@@ -155,7 +153,7 @@ def motion_ranges(
     ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
     effect = float(np.max(ends.effect, initial=0.0))
     at_rest = ends.effect <= REST_TOLERANCE * effect
-    ends.upper[at_rest], ends.codes[1, at_rest] = rows.most[at_rest], 0
+    ends.upper[at_rest], ends.duals[1, at_rest] = rows.most[at_rest], 0
     suspects = np.flatnonzero((ends.status != OPTIMAL) | (at_rest & (ends.lower > 0)))
     ends, conflicts = with_caps(ends, rows.cap_share, rows.cap_code), []
     for start in range(0, len(suspects), BLOCK):
@@ -184,7 +182,7 @@ def _ranges(
     limits: tuple[tuple[RowName, ...], Array],
     asked: Asked | None,
 ) -> SampleRanges:
-    numbers = time, ends.lower, ends.upper, *limits, ends.codes, ends.below > 0
+    numbers = time, ends.lower, ends.upper, *limits, ends.duals, ends.below > 0
     return SampleRanges(*numbers, tuple(conflicts), ends.fallbacks, asked=asked)
 
 
@@ -201,7 +199,7 @@ def decide(
     if not samples.size:
         return []
     part = problem if problem.samples == samples.size else problem.at(samples)
-    own, places = RangeEnds.unknown(samples.size), np.arange(samples.size)
+    own, places = RangeEnds.unknown(samples.size, len(part.names)), np.arange(samples.size)
     found = find_conflicts(part, time[samples], places, solver)
     feasible = np.array([conflict is None for conflict in found], dtype=bool)
     own.status[~feasible] = OPTIMAL
@@ -227,8 +225,8 @@ def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
         whole[name] = np.append(getattr(first, name), getattr(other, name))
     if first.loads is not None and other.loads is not None:
         whole["loads"] = tuple((*ours, *theirs) for ours, theirs in zip(first.loads, other.loads, strict=True))
-    codes = np.concatenate(same_width(first.codes, other.codes), axis=1)
-    return replace(first, codes=codes, **whole).at(np.argsort(whole["time"], kind="stable"))
+    duals = np.concatenate([first.duals, other.duals], axis=1)
+    return replace(first, duals=duals, **whole).at(np.argsort(whole["time"], kind="stable"))
 
 
 def first_least(values: Array) -> Any:

@@ -28,7 +28,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side, row_labels
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows
-from mrts.program.range_ends import UNBOUNDED, same_width
+from mrts.program.range_ends import UNBOUNDED
 from mrts.program.sample_problem import NO_EFFECT, SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SIDES, SampleRanges, first_least, motion_ranges, sample_ranges
 from mrts.scaling.options import Options, load_box
@@ -223,7 +223,7 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
     inward = 1.0 if every else -1.0
     low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in SIDES)
     choice = np.array([first_least(-low), first_least(high)])
-    codes, own = np.stack(same_width(*[found.codes for found in ranges])), np.indices(choice.shape)
+    duals, own = np.stack([found.duals for found in ranges]), np.indices(choice.shape)
     of_samples: dict[int, list[Conflict]] = {}
     for point, found in zip(points, ranges, strict=True):
         for conflict in found.conflicts:
@@ -237,7 +237,7 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
         ranges[0],
         lower=inward * np.max(low, axis=0),
         upper=inward * np.min(high, axis=0),
-        codes=codes[choice, own[0], own[1]],
+        duals=duals[choice, own[0], own[1]],
         gaps=np.any([found.gaps for found in ranges], axis=0),
         conflicts=tuple(
             worst(conflicts, key=lambda conflict: conflict.widening)

@@ -9,6 +9,6 @@ def ranges_of(lower, upper, *, several=False):
     """One sample a second."""
     lower, upper = np.array(lower, float), np.array(upper, float)
     count = len(lower)
-    rows = {"names": (), "limits": np.zeros((2, 0)), "codes": np.zeros((2, count, 0), np.int32)}
+    rows = {"names": (), "limits": np.zeros((2, 0)), "duals": np.zeros((2, count, 1), np.float32)}
     gaps = np.full(count, several)
     return SampleRanges(time=np.arange(float(count)), lower=lower, upper=upper, gaps=gaps, **rows)

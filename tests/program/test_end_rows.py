@@ -49,7 +49,7 @@ def binding_at_the_top(problem):
     found = ends_of_problem(problem, "qpsol:qpoases", np.inf)
     if found.undecided.size or not np.isfinite(found.upper[0]):
         return None
-    return [(abs(code) - 1, np.sign(code)) for code in found.codes[1, 0].tolist() if code != 0]
+    return [(row, np.sign(found.duals[1, 0, row])) for row in np.flatnonzero(found.duals[1, 0])]
 
 
 def degenerate_problem(rng):
