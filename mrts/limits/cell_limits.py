@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The limits of a cell file: torques, wrenches, what hands can exert, velocities, torque-speed curves."""
 
-from typing import NamedTuple
-
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
@@ -64,34 +63,22 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return LimitRows.of(cell, names + of_object, least, limit, speed=speed)
 
 
-class CurveRow(NamedTuple):
-    """One straight part of a joint's torque-speed curve: |τ| <= limit - slope |q̇|, or its end: |q̇| <= limit.
+def curve_rows(cell: Cell) -> tuple[list[RowName], NDArray[np.intp], Array, Array]:
+    """The rows of all torque-speed curves of a cell, joint by joint: |τ| <= limit - slope |q̇|, then |q̇| <= limit.
 
-    Attributes:
-        name: Name of the row.
-        joint: Place among all joints of the cell.
-        limit: Largest torque at standstill [N m], or largest speed [rad/s].
-        slope: By how much the torque falls with the speed [N m s/rad]; None at the end of a curve.
+    Returns:
+        Names; places among all joints; limits; slopes, NaN at the end of a curve, each Shape (r,).
     """
-
-    name: RowName
-    joint: int
-    limit: float
-    slope: float | None
-
-
-def curve_rows(cell: Cell) -> tuple[CurveRow, ...]:
-    """The rows of all torque-speed curves of a cell, joint by joint: falling lines, then the curve's end."""
-    rows = []
+    names, rows = list[RowName](), list[tuple[int, float, float]]()
     for robot, part in zip(cell.robots, cell.joint_slices.values(), strict=True):
         for j, curve in enumerate(robot.motors.torque_speed):
-            if curve is None:
-                continue
-            line = RowName(TORQUE_SPEED, robot.name, robot.joints[j], robot.torque_units[j])
-            end = RowName("motor speed", robot.name, robot.joints[j], f"{robot.position_units[j]}/s")
-            rows += [CurveRow(line, part.start + j, a, m) for a, m in torque_speed_lines(curve)]
-            rows.append(CurveRow(end, part.start + j, float(curve[-1, 0]), None))
-    return tuple(rows)
+            if curve is not None:
+                lines = torque_speed_lines(curve)
+                names += [RowName(TORQUE_SPEED, robot.name, robot.joints[j], robot.torque_units[j])] * len(lines)
+                names.append(RowName("motor speed", robot.name, robot.joints[j], f"{robot.position_units[j]}/s"))
+                rows += [(part.start + j, *line) for line in (*lines, (float(curve[-1, 0]), np.nan))]
+    joint, limit, slope = np.reshape(rows, (-1, 3)).T
+    return names, joint.astype(np.intp), limit, slope
 
 
 def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
@@ -100,11 +87,10 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     A line holds while the motor drives, where τ and q̇ have one sign: -a <= τ + m q' ṙ <= a. Where it brakes that
     leaves more than the plain limit of the torque, which is a limit of its own.
     """
-    rows = curve_rows(cell)
-    if not rows:
+    names, joint, limit, slope = curve_rows(cell)
+    if not names:
         return None
-    limit, place = np.array([row.limit for row in rows]), [row.joint for row in rows]
-    of_torque = np.array([row.slope is not None for row in rows], dtype=bool)
-    slope: Array = np.array([1.0 if row.slope is None else row.slope for row in rows])
-    matrix, names = of_torque[:, None] * np.eye(motion.q.shape[1])[place], tuple(row.name for row in rows)
-    return LimitRows.of(cell, names, -limit, limit, torque_matrix=matrix, speed=slope * motion.dq[:, place])
+    of_torque = np.isfinite(slope)
+    matrix = of_torque[:, None] * np.eye(motion.q.shape[1])[joint]
+    speed = np.where(of_torque, slope, 1.0) * motion.dq[:, joint]
+    return LimitRows.of(cell, names, -limit, limit, torque_matrix=matrix, speed=speed)

@@ -3,11 +3,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import compress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
@@ -15,7 +17,7 @@ from mrts.cell.motors import EFFECTS
 from mrts.cell.points import PointLimit
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
-from mrts.limits.cell_limits import CurveRow, curve_rows, motor_limits, velocity_limits
+from mrts.limits.cell_limits import curve_rows, motor_limits, velocity_limits
 from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_limits, point_limits
 from mrts.limits.rows import LimitRows, RowName, base_axes, limit_name, stack_rows
 from mrts.motion.object_motion import ObjectMotion
@@ -41,13 +43,13 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     first, second = (rows_by_limit(cell, probe) for probe in probes)
     pieces: list[LimitRows] = []
     line_rows = range(0)
-    curves = curve_rows(cell)
-    lines, ends = ([row for row in curves if (row.slope is None) is at_end] for at_end in (False, True))
+    of_curves, joint, limits, slope = curve_rows(cell)
+    is_line = np.isfinite(slope)
     for (limit, given), (_, other) in zip(first, second, strict=True):
         if limit is motor_limits:
             before = sum(len(piece.names) for piece in pieces)
-            line_rows = range(before, before + len(lines))
-            pieces.append(given.only(np.array([row.slope is not None for row in curves], dtype=bool)))
+            line_rows = range(before, before + np.count_nonzero(is_line))
+            pieces.append(given.only(is_line))
         elif limit not in ON_THE_MOTION:
             _check_constant(limit_name(limit), given, other)
             pieces.append(given)
@@ -59,13 +61,13 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
         "LOWER": rows.lower,
         "UPPER": rows.upper,
         "ROW_GROUP": np.array([groups.index(name.group) for name in rows.names], dtype=np.intp),
-        "VELOCITY": np.concatenate([most, [row.limit for row in ends]]),
-        **_motors(cell, lines, ends, line_rows),
+        "VELOCITY": np.concatenate([most, limits[~is_line]]),
+        **_motors(cell, joint, slope, line_rows),
     }
     if rows.object_axes is not None:
         base, axes = base_axes(cell)
         tables |= {"BASE": base, "AXES": np.array(axes)}
-    names = [*rows.names, *velocity.names, *(row.name for row in ends)]
+    names = [*rows.names, *velocity.names, *compress(of_curves, ~is_line)]
     if cell.limits_motion:
         of_motion, more = _motions(cell)
         names, tables = names + of_motion, tables | more
@@ -108,19 +110,18 @@ def _motions(cell: Cell) -> tuple[list[RowName], dict[str, NDArray[Any]]]:
     }
 
 
-def _motors(
-    cell: Cell, lines: Sequence[CurveRow], ends: Sequence[CurveRow], line_rows: Sequence[int]
-) -> dict[str, NDArray[Any]]:
+def _motors(cell: Cell, joint: NDArray[np.intp], slope: Array, line_rows: Sequence[int]) -> dict[str, NDArray[Any]]:
     """What motors add to torques and limits; nothing where all are ideal."""
     motors = [robot.motors for robot in cell.robots]
-    if not (lines or ends or any(motor.has_effect for motor in motors)):
+    if not (len(slope) or any(motor.has_effect for motor in motors)):
         return {}
+    is_line = np.isfinite(slope)
     return {
         **{name.upper(): cell.stacked(f"motors.{name}") for name in EFFECTS},
         "LINE_ROWS": np.array(line_rows, dtype=np.intp),
-        "LINE_JOINTS": np.array([row.joint for row in lines], dtype=np.intp),
-        "SLOPE": np.array([row.slope for row in lines], dtype=np.float64),
-        "END_JOINTS": np.array([row.joint for row in ends], dtype=np.intp),
+        "LINE_JOINTS": joint[is_line],
+        "SLOPE": slope[is_line],
+        "END_JOINTS": joint[~is_line],
         "REST": np.array(REST),
     }
 
