@@ -42,13 +42,8 @@ class MotorTerms:
 
     def at(self, samples: NDArray[np.int_] | slice) -> "MotorTerms":
         """The same at some samples only."""
-        return MotorTerms(
-            square=self.square[samples],
-            rate=self.rate[samples],
-            speed=None if self.speed is None else self.speed[samples],
-            dry=self.dry[samples],
-            turning=None if self.turning is None else self.turning[samples],
-        )
+        some: dict[str, Any] = {name: None if of is None else of[samples] for name, of in vars(self).items()}
+        return replace(self, **some)
 
     def torque(self, speed: float) -> Array:
         """All that the motors give besides at a constant factor of speed, Shape (N, m) [N m or N]."""
@@ -172,15 +167,11 @@ class MotionRows:
     ) -> None:
         """Call a function of the kernel for all samples, or some, as `CellLibrary.over_samples`.
 
-        The load is as in `inputs`, or one of each of these samples; ṙ is one of all N, or Shape (N, 1), and None where
-        it is to be found.
+        ṙ is one of all k of them, or Shape (k, 1), and None where it is to be found.
         """
-        inputs, terms = self.inputs(None), self.terms(speed)
-        if samples is not None and len(samples) < self.motion.samples:
-            inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
-            terms = {name: None if of is None else of[samples] for name, of in terms.items()}
-        inputs |= {} if load is None else {"load": load}
+        inputs = self.inputs(load, samples)
         library, count = self.cell.library, len(asked[0])
+        terms = self.terms(speed, samples)
         library.over_samples(function, count, inputs, self._limits, terms, asked, outputs, for_all)
 
     @cached_property
@@ -188,10 +179,16 @@ class MotionRows:
         """Largest ṙ² that keeps all caps, Shape (N,)."""
         return largest_square(self.cap_share)
 
-    def inputs(self, load: Array | None) -> dict[str, Array]:
-        """Inputs of the generated formulation, by name; the load is the cell's where none is given."""
-        inputs = self.motion.inputs(self.cell.load if load is None else load) | {GEOMETRY: self.cell.geometry}
-        return inputs if self.sharing is None else inputs | self.sharing.inputs(self.cell, self.motion)
+    def inputs(self, load: Array | None, samples: NDArray[np.intp] | None = None) -> dict[str, Array]:
+        """Inputs of the generated formulation at k samples, all or some, by name.
+
+        The load is the cell's where none is given, one of all samples, Shape (10,), or one of each, Shape (k, 10).
+        """
+        inputs = self.motion.inputs(self.cell.load) | {GEOMETRY: self.cell.geometry}
+        inputs |= {} if self.sharing is None else self.sharing.inputs(self.cell, self.motion)
+        if samples is not None:
+            inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
+        return inputs if load is None else inputs | {"load": load}
 
     @property
     def has_speed_terms(self) -> bool:
@@ -220,9 +217,12 @@ class MotionRows:
             motors=None,
         )
 
-    def terms(self, speed: float | Array | None = None) -> Terms:
-        """What is added at every sample to the kept rows, with terms in ṙ put in, or left; as in `over_samples`."""
-        kept, motors, by_speed, offset = self.kept, self.motors, self.kept.speed, self.kept.offset
+    def terms(self, speed: float | Array | None, samples: NDArray[np.intp] | None) -> Terms:
+        """What is added to the kept rows, with terms in ṙ put in, or left; as in `over_samples`."""
+        kept, motors = self.kept, self.motors
+        if samples is not None:
+            kept, motors = kept.at(samples), None if motors is None else motors.at(samples)
+        by_speed, offset = kept.speed, kept.offset
         if kept.speed is not None and speed is not None:
             of_speed = kept.speed * speed
             by_speed, offset = None, of_speed if offset is None else of_speed + offset

@@ -2,7 +2,6 @@
 """The rows of a cell along a path, from the rows of its samples."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -54,8 +53,11 @@ def path_program(
         end_free: [F] of all loads there, likewise. There the cell is at rest, so that rows have one value: whether it
             keeps its limits is the caller's question.
         third: q''' at both ends of every segment, Shape (n - 1, 2, m); None takes it from q' and q'' at the nodes.
-        sizes: `counted_sizes` of the rows of a problem, Shape (2, r); None where nothing is to be kept in reserve.
+        sizes: `counted_sizes` of the rows of a problem that are no sides of polygons, Shape (2, r); None where nothing
+            is to be kept in reserve.
     """
+    gram, bound, circles = _circles(problems[0])  # they are the same for all loads
+    problems = [without_polygons(problem) for problem in problems]
     parts = [_load_rows(cell, path, problem, rates, weights, sizes) for problem in problems]
     for (rows, _), problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
         caps = np.flatnonzero(problem.is_cap)
@@ -68,7 +70,7 @@ def path_program(
     joined = {name: np.concatenate([rows[name] for rows, _ in parts], axis=1) for name in parts[0][0]}
     for place, held in zip((0, -1), end_free, strict=True):
         if held is not None:
-            joined["lower"][place], joined["upper"][place] = -np.inf, np.inf
+            joined["lower"][place], joined["upper"][place], bound[place, :, 2] = -np.inf, np.inf, np.inf
     limited, step = np.flatnonzero(np.isfinite(rates.jerk)), np.diff(path.object.time)
     return SmoothProgram(
         step=step,
@@ -77,7 +79,9 @@ def path_program(
         q2=path.ddq[:, limited],
         q3=(third_derivatives(step, path.dq, path.ddq) if third is None else third)[..., limited],
         jerk=rates.jerk[limited],
-        names=tuple(chain.from_iterable(names for _, names in parts)),
+        gram=gram,
+        bound=bound,
+        names=(*chain.from_iterable(names for _, names in parts), *circles),
         joints=tuple(np.array(cell.joint_names)[limited].tolist()),
         ends=ends,
         end_free=end_free,
@@ -90,24 +94,19 @@ def without_polygons(problem: SampleProblem) -> SampleProblem:
     return problem if len(kept) == len(problem.names) else problem.only(kept)
 
 
-def with_circles(program: SmoothProgram, problem: SampleProblem) -> SmoothProgram:
-    """A program with circles for the polygons of a problem, whose rows it lacks."""
-    cones, of_polygons = [], polygons(problem.names)
-    if not of_polygons:
-        return program
-    for name, own in of_polygons.items():
+def _circles(problem: SampleProblem) -> tuple[Array, Array, list[str]]:
+    """The cones of the polygons of a problem, as attributes of `SmoothProgram`, and their names."""
+    of_polygons, n = polygons(problem.names), problem.samples
+    gram, bound = np.zeros((n, len(of_polygons), 3, 3)), np.zeros((n, len(of_polygons), 3))
+    for place, (name, own) in enumerate(of_polygons.items()):
         terms = np.stack([problem.rate[:, own], problem.square[:, own]], axis=2)
         sides = [
             np.concatenate([sign * terms, -sign * limit[:, own, None]], axis=2)
             for sign, limit in ((1, problem.upper), (-1, problem.lower))
             if np.all(np.isfinite(limit[:, own]))
         ]
-        cones.append(circle(np.concatenate(sides, axis=1), name.sides))
-    gram, bound = (np.stack(of, axis=1) for of in zip(*cones, strict=True))
-    for place, held in zip((0, -1), program.end_free, strict=True):
-        if held is not None:
-            bound[place, :, 2] = np.inf
-    return replace(program, gram=gram, bound=bound, names=(*program.names, *map(str, of_polygons)))
+        gram[:, place], bound[:, place] = circle(np.concatenate(sides, axis=1), name.sides)
+    return gram, bound, [str(name) for name in of_polygons]
 
 
 def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:

@@ -80,10 +80,10 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProb
     return replace(problem, lower=problem.lower + low, upper=problem.upper - high), fallbacks
 
 
-def given_sizes(cell: Cell, motion: CoordinatedMotion, *, polygons: bool = True) -> Array:
-    """`counted_sizes` of the limits as they are given, whatever reserve the cell keeps, with or without polygons."""
+def given_sizes(cell: Cell, motion: CoordinatedMotion) -> Array:
+    """`counted_sizes` of the limits as they are given, whatever reserve the cell keeps, without those of polygons."""
     rows = limit_rows(cell.with_reserve(0.0), motion)
-    rows = rows if polygons else rows.only(np.array([not name.sides for name in rows.names]))
+    rows = rows.only(np.array([not name.sides for name in rows.names]))
     return counted_sizes(rows.lower, rows.upper, rows.units)
 
 

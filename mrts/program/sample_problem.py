@@ -198,8 +198,8 @@ def build_sample_problem(
 
     Args:
         rows: Rows of a cell along its motion; where the speed varies, its time is the path parameter r.
-        load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
-        samples: Indices of the samples to take; None takes all.
+        load: Load vector instead of the cell's, Shape (10,), or one for each of these samples, Shape (k, 10).
+        samples: Indices of the k samples to take; None takes all.
         varying: Whether the speed varies.
 
     Raises:
@@ -207,14 +207,13 @@ def build_sample_problem(
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
     """
     cell, motion, formulation = rows.cell, rows.motion, rows.formulation
-    inputs = rows.inputs(load)
+    inputs = rows.inputs(load, samples)
     if formulation not in FORMULATIONS:
         raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
     if rows.sharing is None and formulation == "torque":
         _check_invertible(cell, motion, np.arange(motion.samples) if samples is None else samples)
     count, limits, motors = motion.samples, rows.rows, rows.motors
     if samples is not None:
-        inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
         count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
     found = _maps(cell, "fixed_distribution" if rows.sharing else f"{formulation}_form", count, inputs, varying=varying)
     if "equality_map" in found:

@@ -142,7 +142,7 @@ def motion_ranges(
 ) -> SampleRanges:
     """Least and largest c² at every sample (step 1 of MMTSF), by the compiled path where it applies.
 
-    A load stands instead of the cell's, Shape (10,), or one a sample, Shape (N, 10). Of several intervals it is the
+    A load stands instead of the cell's, Shape (10,). Of several intervals it is the
     highest that does not begin above `high`.
     """
     time, asked = rows.motion.object.time, (rows.cell, rows.motion, rows.sharing, load)

@@ -83,28 +83,21 @@ def motion_widening(
 
     c² is that of each of k samples, Shape (k,), all or some; a load is one for all, Shape (10,), or Shape (k, 10).
     """
-    count = rows.motion.samples
-    places = np.arange(count) if samples is None else samples
+    places = np.arange(rows.motion.samples) if samples is None else samples
     if not len(places):
         return np.zeros(0)
     share, left = np.zeros(len(places)), np.arange(len(places))
     if rows.compiled:
-        speed = np.sqrt(_of_samples(c2[:, None], places, count)) if rows.has_speed_terms else 1.0
+        speed = np.sqrt(c2[:, None]) if rows.has_speed_terms else 1.0
         status, units = np.full(len(places), STOPPED, dtype=np.uint8), rows.given.units[~rows.is_cap]
         outputs = share, status
-        rows.over_samples("mrts_widenings", [c2], outputs, (units,), load=load, speed=speed, samples=places)
+        rows.over_samples("mrts_widenings", [c2], outputs, (units,), load=load, speed=speed, samples=samples)
         share, left = np.maximum(share, _passed_caps(rows, c2, places)), np.flatnonzero(status != OPTIMAL)
     if left.size:
-        carried = load if load is None or load.ndim == 1 else _of_samples(load[left], places[left], count)
+        carried = load if load is None or load.ndim == 1 else load[left]
         problem = build_sample_problem(rows, load=carried, samples=places[left])
         share[left] = widening_at(problem, c2[left, None], DEFAULT_SOLVER, WHAT)
     return share
-
-
-def _of_samples(values: Array, places: NDArray[np.intp], count: int) -> Array:
-    whole = np.zeros((count, *values.shape[1:]))
-    whole[places] = values
-    return whole
 
 
 def _passed_caps(rows: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:

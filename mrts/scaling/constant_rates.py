@@ -18,10 +18,10 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.limits.rows import ActiveRow, RowName
+from mrts.limits.rows import ActiveRow
 from mrts.program.formulation import DistributionName
 from mrts.program.motion_rows import MotionRows
-from mrts.program.path_program import path_program, third_derivatives
+from mrts.program.path_program import path_program, third_derivatives, without_polygons
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits, rate_names
@@ -98,7 +98,8 @@ class RatedFactors:
         self.cell, self.rates, self.loads, self.time = cell, rates, loads, motion.object.time
         self.stands = float(np.max(np.ptp(motion.q, axis=0))) < STILL
         vectors = [None if point is None else point.load for point in loads]
-        self.problems = [build_sample_problem(rows, load=load, varying=True) for load in vectors]
+        problems = [build_sample_problem(rows, load=load, varying=True) for load in vectors]
+        self.problems = [without_polygons(problem) for problem in problems]  # sides bound c alone
         changes = replace(rates, jerk=np.full_like(rates.jerk, np.inf))  # c alone keeps limits of jerk
         self.programs = [path_program(cell, motion, [problem], changes) for problem in self.problems]
         self.limits_changes = bool(np.any(np.isfinite(self.programs[0].change)))
@@ -225,8 +226,7 @@ class RatedFactors:
         torques, wrenches, _ = rate_names(self.cell)
         limits = (*self.rates.torque.tolist(), *self.rates.wrench.tolist())
         known = {str(name): (name, limit) for name, limit in zip((*torques, *wrenches), limits, strict=True)}
-        text = f"{program.names[row]} rate"  # a contact in base axes may stand for a wrench component
-        name, limit = known.get(text, (RowName(text, unit="/s"), float(program.change[row])))
+        name, limit = known[f"{program.names[row]} rate"]
         return ActiveRow.of(name, -limit, limit, at_upper=rises)
 
 

@@ -12,7 +12,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_program import path_program, with_circles, without_polygons
+from mrts.program.path_program import path_program
 from mrts.program.path_solver import KEPT, KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
@@ -88,7 +88,7 @@ class SmoothQuestion:
         """What 100 % of each limit is, where torques are chosen to keep most of every limit free; else None."""
         if self.bare.options.distribute != "reserve":
             return None
-        return given_sizes(self.bare.cell, self.bare.motion, polygons=False)
+        return given_sizes(self.bare.cell, self.bare.motion)
 
     @cached_property
     def weights(self) -> Array:
@@ -104,10 +104,10 @@ class SmoothQuestion:
         )
         first, last = (None if held is None else held[[*chosen]].ravel() for held in part.held)
         third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
-        program = path_program(
+        return path_program(
             self.bare.cell,
             piece.path,
-            [without_polygons(problem) for problem in problems],
+            problems,
             self.rates,
             weights,
             (start, end),
@@ -115,7 +115,6 @@ class SmoothQuestion:
             third,
             self.sizes,
         )
-        return with_circles(program, problems[0])  # they are the same for all loads
 
 
 @dataclass(frozen=True, eq=False)

@@ -92,7 +92,6 @@ def dense_excess(cell, motion, c2, loads=(None,)):
         beyond = np.flatnonzero((found.upper < c2) | (found.lower > c2))
         if len(beyond):
             several = beyond[np.argsort(found.upper[beyond])][:40]
-            carried = None if load is None else np.tile(load, (dense.samples, 1))
-            problem = build_sample_problem(motion_rows(cell, dense), load=carried, samples=several)
+            problem = build_sample_problem(motion_rows(cell, dense), load=load, samples=several)
             worst = max(worst, float(np.max(widening_at(problem, c2, "qpsol:qpoases", "the dense excess"))))
     return worst

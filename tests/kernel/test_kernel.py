@@ -7,6 +7,7 @@ import highspy
 import numpy as np
 import pytest
 from random_programs import cell_programs, hard_programs
+from reference import highs_minimum
 
 import mrts
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, default_programs
@@ -22,32 +23,6 @@ SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
 @pytest.fixture(scope="module")
 def kernel():
     return default_programs()
-
-
-class Highs:
-    """One HiGHS instance for many programs of one shape."""
-
-    def __init__(self, rows, k):
-        self.highs = highspy.Highs()
-        self.highs.silent()
-        for option in ("primal_feasibility_tolerance", "dual_feasibility_tolerance"):
-            self.highs.setOptionValue(option, 1e-10)
-        self.highs.setOptionValue("presolve", "off")
-        self.lp = highspy.HighsLp()
-        self.lp.num_col_, self.lp.num_row_ = k, rows
-        self.lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-        self.lp.a_matrix_.start_ = np.arange(k + 1) * rows
-        self.lp.a_matrix_.index_ = np.tile(np.arange(rows), k)
-
-    def solve(self, g, A, lower, upper, x_lower, x_upper):
-        lp = self.lp
-        lp.col_cost_, lp.col_lower_, lp.col_upper_ = g, x_lower, x_upper
-        lp.row_lower_, lp.row_upper_ = lower, upper
-        lp.a_matrix_.value_ = A.T.ravel()
-        self.highs.clearSolver()
-        self.highs.passModel(lp)
-        self.highs.run()
-        return self.highs.getModelStatus(), self.highs.getInfo().objective_function_value
 
 
 def bounds(A):
@@ -74,7 +49,6 @@ def test_linear_programs_of_cells_equal_highs(arms, size, kernel):
         A, lower, upper = cell_programs(rng, SAMPLES, arms, size)
         low, high = bounds(A)
         low, high = np.hstack([lower, low]), np.hstack([upper, high])
-        highs = Highs(*A.shape[1:])
         rows = A.shape[1]
         for direction in (1.0, -1.0):
             g = np.zeros((SAMPLES, A.shape[2]))
@@ -85,7 +59,7 @@ def test_linear_programs_of_cells_equal_highs(arms, size, kernel):
             error = optimality_error(programs, x, dual[:, :rows], dual[:, rows:])
             assert np.max(error[good], initial=0) <= RESIDUAL_TOLERANCE
             for n in range(SAMPLES):
-                theirs, value = highs.solve(g[n], A[n], lower[n], upper[n], low[n, rows:], high[n, rows:])
+                theirs, value = highs_minimum(A[n], lower[n], upper[n], low[n, rows:], high[n, rows:], direction)
                 if theirs == highspy.HighsModelStatus.kInfeasible:
                     assert status[n] == INFEASIBLE, (arms, size, n)
                     assert certificate_holds(A[n], low[n], high[n], dual[n])
@@ -112,8 +86,8 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
                 scaled, *_ = programs.scaled()
                 ends = (np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper]))
                 x, dual, status = kernel.linear_programs(scaled.g, scaled.A, *ends)
-                theirs, value = Highs(rows, k).solve(scaled.g[0], scaled.A[0], scaled.lower[0], scaled.upper[0],
-                                                     scaled.x_lower[0], scaled.x_upper[0])  # fmt: skip
+                of_scaled = (scaled.A, scaled.lower, scaled.upper, scaled.x_lower, scaled.x_upper)
+                theirs, value = highs_minimum(*(of[0] for of in of_scaled), direction)
                 ours = int(status[0])
                 seen[kind, ours] += 1
                 if feasible is not None:
