@@ -16,7 +16,7 @@ from mrts.kernel.c_text import one_text
 NUMBERS: dict[str, Any] = {"int": ctypes.c_int, "long long": ctypes.c_longlong, "double": ctypes.c_double}
 NUMBERS |= {"short": ctypes.c_short, "mrts_real": ctypes.c_double, "cell_real": ctypes.c_double}
 
-FUNCTION = re.compile(r"^MRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{", re.MULTILINE)
+FUNCTION = re.compile(r"\nMRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{")
 
 
 def _address(value: object) -> object:
@@ -58,11 +58,11 @@ def structure(file: str, name: str, **sizes: int) -> Any:
 
     Sizes are those of arrays that C knows by macros.
     """
-    text = re.sub(r"/\*.*?\*/|^#.*?$", "", one_text((file,)), flags=re.DOTALL | re.MULTILINE)
-    found = re.search(rf"typedef struct {{([^}}]*)}} {name};", text)
+    found = re.search(rf"typedef struct {{([^}}]*)}} {name};", one_text((file,)))
     assert found is not None, name  # noqa: S101 (names of ours)
     fields: list[tuple[str, Any]] = []
-    for declaration in found.group(1).split(";")[:-1]:
+    body = re.sub(r"/\*.*?\*/|^#.*?$", "", found.group(1), flags=re.DOTALL | re.MULTILINE)
+    for declaration in body.split(";")[:-1]:
         kind, *declarators = re.split(r"\s(?=\**\w+(?:\[\w+\])*(?:,|$))", declaration.strip().removeprefix("const "))
         for declarator in declarators:
             stars, field, lengths = re.findall(r"(\**)(\w+)((?:\[\w+\])*)", declarator)[0]
