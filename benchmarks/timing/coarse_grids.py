@@ -30,7 +30,7 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.timing.path_pieces import PathError, path_pieces
-from mrts.timing.retimed_motion import FastestPiece
+from mrts.timing.retimed_motion import TimedPiece
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import DUAL, MOTIONS, duration, model_with_box, one_arm
@@ -114,7 +114,7 @@ class ArmPath:
         s, dense = grid[:-1, None] + step * away, x[:-1, None] + change * away
         return self.excess(s.ravel(), dense.ravel(), np.repeat(change / (2 * step), DENSER))
 
-    def excess_of(self, part: FastestPiece, grid: Array) -> float:
+    def excess_of(self, part: TimedPiece, grid: Array) -> float:
         """Between samples of ours at places s of the path: between two of them σ is a quintic of the arc length's."""
         path, away = part.piece.path, (np.arange(DENSER) + 0.5) / DENSER
         pace = part.piece.arc_speed
@@ -163,7 +163,7 @@ def compared(path: ArmPath, motion: Any, grid: Array) -> Comparison:
     optimum, x = duration(EXACT, path.by_toppra(EXACT)), path.by_toppra(grid)
     as_given, refined = (mrts.retime(path.cell, motion, between=between) for between in (None, 1e-4))
     (part,) = as_given.pieces
-    if not isinstance(part, FastestPiece) or refined.excess is None:
+    if refined.excess is None:
         raise TypeError(refined.status)
     times = (duration(grid, x), as_given.duration or np.inf, refined.duration or np.inf)
     return Comparison(

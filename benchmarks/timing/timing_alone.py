@@ -15,5 +15,5 @@ def timing_alone(constant: mrts.ScalingResult) -> float:
         constant: Of the cell and the motion, found before.
     """
     asked = RetimingResult(constant.cell, constant.motion, constant.motion, constant.options)
-    found = fastest_timing(asked, constant.motion, lambda _done, _total: None)
+    found = fastest_timing(asked, constant.motion)
     return float(sum(np.sum(piece.segment_times) for piece in found.pieces))

@@ -33,7 +33,7 @@ from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, fastest_pieces, new_times
+from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, new_times
 
 HARDEST = 0.98
 """Share of the hardest braking and acceleration, and of the largest x, that is used: at the end itself wrenches are one
@@ -167,7 +167,7 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
         raise InputError(
             "result", "has an internal wrench of each sample: between them none is known. Give one for all."
         )
-    jumps = fastest_pieces(timed.pieces) if timed else ()
+    jumps = timed.pieces if timed and timed.smooth is None else ()
     motion = _both_sides(jumps) if jumps else done.played
     cell, options = result.cell.with_reserve(0.0), result.options
     varies = cell.load_box is not None and options.load == "guaranteed"

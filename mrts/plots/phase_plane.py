@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.plots.plot import ADMISSIBLE, COLOURS, Axis, Band, Item, Line, Panel, Plot, one_panel, upright
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import FastestPiece, TimedPiece, fastest_pieces
+from mrts.timing.retimed_motion import TimedPiece
 
 HEADROOM = 1.35
 """The maximum velocity curve goes out of the picture above this multiple of the profile."""
@@ -24,18 +24,18 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
         raise ValueError("there is no profile to draw")
     smooth, best, along = found.smooth, found.factor, way(found.pieces)
     lines: list[Item] = []
-    fastest = fastest_pieces(found.pieces) if smooth is None else smooth.fastest
+    fastest = found.pieces if smooth is None else smooth.fastest
     if fastest:
         label = f"fastest, {found.duration:.4g} s"
         if smooth is not None:
             label = f"fastest without limits of rates, {smooth.bound:.4g} s"
-        lines.append(_line(label, way(fastest), [part.arc_speed for part in fastest], COLOURS[1]))
+        lines.append(_line(label, way(fastest), [part.along_arc(part.x) for part in fastest], COLOURS[1]))
     if smooth is not None:
         lines.append(
             _line(
                 f"{smooth.what}, {found.duration:.4g} s",
                 along,
-                [part.arc_speed for part in found.pieces],
+                [part.along_arc(part.x) for part in found.pieces],
                 COLOURS[4],
                 width=2.4,
             )
@@ -45,12 +45,13 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
         lines.append(_line(f"best constant c, {best.duration:.4g} s", along, speeds, COLOURS[0], dash=1))
     top = HEADROOM * max(float(np.nanmax(line.y)) for line in lines if isinstance(line, Line))
     items: list[Item] = []
-    for s, part in zip(way(fastest), fastest, strict=True):
-        sides = part.along_arc(part.profile.lower), part.along_arc(part.profile.upper)
+    profiles = [part.profile for part in fastest if part.profile]
+    for s, part, profile in zip(way(fastest), fastest, profiles, strict=True):
+        sides = part.along_arc(profile.lower), part.along_arc(profile.upper)
         label = "" if items else "controllable"
         items.append(Band(x=s, lower=sides[0], upper=sides[1], label=label, color=ADMISSIBLE, opacity=0.15))
     if fastest:
-        items += _most(fastest, top)
+        items += _most(fastest, [profile.regions.upper for profile in profiles], top)
     x = Axis(label="path s (rms over the joints) [rad or m]", hover="s = {}")
     y = Axis(label="speed ṡ [rad/s or m/s]", ends=(0.0, top))
     items += [*lines, *(upright(float(s[0]), y) for s in along[1:])]
@@ -70,9 +71,9 @@ def played_way(found: RetimingResult) -> Array:
     return np.concatenate([first, *(part[1:] for part in others)])
 
 
-def _most(pieces: Sequence[FastestPiece], top: float) -> list[Item]:
-    bounds = [(part, part.profile.regions.upper) for part in pieces]
-    speeds = [part.along_arc(np.where(np.isfinite(most), most, np.nan)) for part, most in bounds]
+def _most(pieces: Sequence[TimedPiece], bounds: Sequence[Array], top: float) -> list[Item]:
+    finite = [np.where(np.isfinite(most), most, np.nan) for most in bounds]
+    speeds = [part.along_arc(most) for part, most in zip(pieces, finite, strict=True)]
     seen = any(bool(np.any(speed <= top)) for speed in speeds)
     return [_line("maximum velocity curve", way(pieces), speeds, COLOURS[6], dash=3, width=1.0)] if seen else []
 

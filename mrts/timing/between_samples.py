@@ -20,9 +20,9 @@ from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.widening import motion_widening
-from mrts.timing.path_pieces import PLACES, with_samples
+from mrts.timing.path_pieces import PLACES, root_mean_square, with_samples
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples, fastest_pieces
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""
@@ -41,6 +41,10 @@ MOST_STALLED = 6
 """Times in turn that a path is timed again without less excess than at best: what is left is the samples' rounding.
 Those that end take up to four, where a new sample moves a switch of the fastest timing."""
 
+SHARP = 0.1
+"""Turn of the joints' direction on a segment [rad] from which a fastest timing has it divided, whatever it oversteps.
+On coarse tables of joints what it takes longer than the optimum falls from a median of 0.8 to 0.2 %."""
+
 ALIKE = 1e-12
 """Relative difference of speeds and accelerations on a segment that is rounding: its excess is what it was before."""
 
@@ -55,8 +59,9 @@ def refined_timing(
 ) -> RetimingResult:
     """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
 
-    Each segment that oversteps limits, or is near it, is divided, of a fastest timing with those beside it, and the
-    whole path is timed again: a bounded number of times, of which the one with the least excess is kept.
+    Each segment that oversteps limits, or is near it, is divided, of a fastest timing with those beside it, and
+    first those that turn sharply. The whole path is timed again, a bounded number of times; the timing with the least
+    excess is kept.
 
     Args:
         again: The timing of the motion with further samples, told the one before.
@@ -75,7 +80,11 @@ def refined_timing(
         shares, worst = excess_between(timed, tolerance, before)
         before, share = (timed, shares), np.zeros(timed.motion.samples - 1)
         for part, its in zip(timed.pieces, shares, strict=True):
-            share[part.piece.first :][: len(its)] = np.max(its.T.copy(), axis=0)  # faster by places than by segments
+            own = share[part.piece.first :][: len(its)]
+            own[:] = np.max(its.T.copy(), axis=0)  # faster by places than by segments
+            if adds and turn == 0 and part.profile:
+                sharp = root_mean_square(np.diff(part.piece.path.dq, axis=0)) / SHARP
+                own[sharp > 1] = np.maximum(own, tolerance * sharp**2)[sharp > 1]
         timed = replace(timed, excess=worst)
         if best.excess is None or worst.share < best.excess.share:
             best, stalled = timed, 0
@@ -84,7 +93,7 @@ def refined_timing(
         if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not np.any(share > tolerance):
             break
         share = np.where(share > NEAR * tolerance, share, 0.0)
-        if fastest_pieces(timed.pieces):  # its switches move out of a segment that is divided
+        if timed.pieces[0].profile:  # of a fastest timing, whose switches move out of a segment that is divided
             beside = np.pad(share, 1)
             share = np.max([beside[:-2], share, beside[2:]], axis=0)
         segment = np.flatnonzero(share)
@@ -185,8 +194,8 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
     needs differs from that by the square of the step. So it is looked at with wrenches that are linear too: those of
     the plan, and where the load varies those that carry each of its corners.
     """
-    nodes, inside = part.piece, part.piece.inside
-    path, (segment, place, x, u) = nodes.fine.at(inside), part.between()
+    inside, (segment, place, x, u) = part.inside, part.between()
+    path = part.fine.at(inside)
     loads, carried = [timed.cell.load], [part.plan]
     if len(timed.loads) > 1:
         loads += timed.loads
@@ -196,8 +205,8 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
     rates = timed.options.rates
     limited = np.zeros(0, dtype=int) if rates is None else np.flatnonzero(np.isfinite(rates.jerk))
     if limited.size:
-        slope = (np.diff(part.rates)[segment, 0] / nodes.step[segment])[:, None]
-        thirds = np.stack([nodes.third[inside - 1, 1], nodes.third[inside, 0]])[:, :, limited]
+        slope = (np.diff(part.rates)[segment, 0] / part.piece.step[segment])[:, None]
+        thirds = np.stack([part.third[inside - 1, 1], part.third[inside, 0]])[:, :, limited]
         jerk = path.dq[:, limited] * slope + 3 * path.ddq[:, limited] * u[:, None] + thirds * x[:, None]
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / part.program.jerk - 1)
         names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]

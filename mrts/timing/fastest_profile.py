@@ -1,14 +1,212 @@
 # SPDX-License-Identifier: MIT
-"""The fastest speed along a path inside its speed regions (Pham and Pham, IEEE T-RO 34(3), 2018)."""
+"""The admissible pairs of u = r̈ and x = ṙ² at every sample, and the fastest speed inside them.
 
-from dataclasses import dataclass
+Regions are convex polygons, as half-planes; the passes through them are those of Pham and Pham, IEEE T-RO 34(3), 2018.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, median
-from mrts.kernel.programs import default_programs
-from mrts.timing.speed_regions import SpeedRegions
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
+from mrts.program.sample_problem import SampleProblem
+from mrts.program.sample_ranges import REST_TOLERANCE
+
+BOX = 1e5
+"""Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
+
+NEAR_BOX = 1 - 1e-6
+"""Share of such an end from which a corner lies on it: rounding."""
+
+FARTHEST = 1e3
+"""Speeds squared above this multiple of what the path's length and its accelerations make likely count as unbounded."""
+
+NEGLIGIBLE = 1e-11
+"""x has no effect where the largest likely one moves no row by more than this share of a limit: on a straight path what
+is left of it is rounding."""
+
+NO_DIRECTION = 1e-12
+"""A principal direction of the free unknowns that moves rows by less than this share of the first moves none."""
+
+PROBES = 9
+"""Samples whose accelerations are looked at, to learn how fast the path may become."""
+
+
+@dataclass(frozen=True)
+class SpeedRegions:
+    """Half-planes n_u u + n_x x <= h, in units of limits, at N samples, and bounds of x.
+
+    Attributes:
+        start: The half-planes of sample i are start[i] .. start[i + 1] - 1, Shape (N + 1,).
+        planes: n_u, n_x, h, Shape (E, 3).
+        lower: Least x, Shape (N,).
+        upper: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
+        bound: An x that no profile within limits reaches.
+        undecided: Samples whose region is empty, or was not found.
+    """
+
+    start: NDArray[np.int64]
+    planes: Array
+    lower: Array
+    upper: Array
+    bound: float
+    undecided: tuple[int, ...]
+
+    def with_samples(self, places: NDArray[np.intp], more: "SpeedRegions") -> "SpeedRegions":
+        """Those of further samples besides, which are then at some places of all, Shape (k,), in order."""
+        before = places - np.arange(len(places))
+        ours, theirs = np.split(self.planes, self.start[before]), np.split(more.planes, more.start[1:-1])
+        counts = np.insert(np.diff(self.start), before, np.diff(more.start))
+        return SpeedRegions(
+            np.concatenate([[0], np.cumsum(counts)]),
+            np.concatenate([*chain.from_iterable(zip(ours, theirs, strict=False)), ours[-1]]),
+            np.insert(self.lower, before, more.lower),
+            np.insert(self.upper, before, more.upper),
+            self.bound,
+            tuple(places[list(more.undecided)].tolist()),
+        )
+
+
+def speed_regions(
+    problem: SampleProblem, length: float, ends: tuple[float, float] = (0.0, 0.0), bound: float | None = None
+) -> SpeedRegions:
+    """Project the polytope of every sample onto (u, x); rows of u and x alone are half-planes as they are.
+
+    A projection is the hull of answers of linear programs, so a mixture of its corners is feasible: the region lies
+    inside the true one, by less than 1e-9 of a limit. The programs count x in units of what may be reached on this
+    path, and so are well scaled however short it is.
+
+    Args:
+        problem: Rows of [F, u, x], from `build_sample_problem` with a varying speed.
+        length: Of the path: over it u changes x by 2 u times that.
+        bound: An x that no profile reaches, of other samples of the path; None finds one.
+    """
+    every, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
+    effect = default_programs().effects(problem.A, every)
+    alone = every[~np.any(problem.A[0, every, :-2], axis=1)]
+    alone = alone[~np.any(problem.A[:, alone, :-2], axis=(0, 2))]
+    rows = np.setdiff1d(every, alone)
+    effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0  # u moves nothing but by rounding
+    by_row = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
+    if bound is None:
+        bound = FARTHEST * _likely_speed(problem, every, effect[:, -2], most, length, ends)
+    reached = np.minimum(bound / FARTHEST, most)
+    effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
+    if not rows.size:
+        return _regions_of_planes(by_row, effect, most, bound)
+    with np.errstate(divide="ignore"):
+        unit = 1 / effect
+    unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
+    scale = np.where(np.isfinite(unit), unit, 0.0)
+    moves = scale[:, -2:] > 0
+    moving = np.where(moves[:, 1], scale[:, -1], 1.0)
+    box = np.minimum(bound / moving, BOX)
+    cap = np.minimum(most / moving, box)
+    least = np.where(moves, [-BOX, 0.0], 0.0)
+    largest = np.where(moves, np.column_stack([np.full_like(cap, BOX), cap]), 0.0)
+    number, corners = _decided_projections(problem, rows, scale, (least, largest))
+    found = (number > 0) & ~np.any(problem.lower > problem.upper, axis=1)  # sides that cross leave nothing to project
+    if not np.all(found):
+        corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
+    start, planes, low, high = default_programs().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
+    high = np.where(moves[:, 1] & (high < NEAR_BOX * box), high * moving, np.inf)
+    lower = np.maximum(low, 0.0) * scale[:, -1]
+    undecided = tuple(np.flatnonzero(~found).tolist())
+    projected = SpeedRegions(start, planes, lower, np.minimum(high, most), bound, undecided)
+    return intersect_regions([projected, _regions_of_planes(by_row, effect, most, bound)]) if alone.size else projected
+
+
+def _regions_of_planes(planes: Array, effect: Array, most: Array, bound: float) -> SpeedRegions:
+    """The regions of half-planes, Shape (N, e, 3); where u or x has no effect, they lose what rounding left of it."""
+    for unknown, of in ((0, effect[:, -2]), (1, effect[:, -1])):
+        planes[of == 0, :, unknown] = 0.0
+    count, sides, _ = planes.shape
+    start = np.arange(count + 1, dtype=np.int64) * sides
+    return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, bound, ())
+
+
+def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
+    """What is admissible in all of several regions of the same samples."""
+    if len(regions) == 1:
+        return regions[0]
+    samples = np.concatenate([np.repeat(np.arange(len(part.lower)), np.diff(part.start)) for part in regions])
+    return SpeedRegions(
+        np.sum([part.start for part in regions], axis=0),
+        np.concatenate([part.planes for part in regions])[np.argsort(samples, kind="stable")],
+        np.max([part.lower for part in regions], axis=0),
+        np.min([part.upper for part in regions], axis=0),
+        min(part.bound for part in regions),
+        tuple(sorted({sample for part in regions for sample in part.undecided})),
+    )
+
+
+def _likely_speed(
+    problem: SampleProblem,
+    rows: NDArray[np.int32],
+    effect: Array,
+    most: Array,
+    length: float,
+    ends: tuple[float, float],
+) -> float:
+    """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends.
+
+    Each is at least that of a whole limit: some samples leave none.
+    """
+    moving = np.flatnonzero(effect)
+    if not moving.size:
+        return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
+    probes = moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
+    scale = np.ones((len(probes), problem.unknowns))
+    scale[:, -2] /= effect[probes]
+    bound = np.tile([BOX, 0.0], (len(probes), 1))
+    number, corners, _ = _projections(problem.at(probes), rows, scale, (-bound, bound))
+    largest = np.ones(len(probes))
+    np.maximum.at(largest, np.repeat(np.arange(len(probes)), number), np.abs(corners[:, 0]))
+    return max(*ends, 2 * length * median(largest / effect[probes]))
+
+
+def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
+    sides = np.concatenate([A, -A], axis=1)
+    limit = np.concatenate([upper, -lower], axis=1)
+    limited = np.any(np.isfinite(limit), axis=0)
+    return np.concatenate([sides[:, limited], limit[:, limited, None]], axis=2)
+
+
+def _projections(
+    problem: SampleProblem, rows: NDArray[np.int32], scale: Array, bounds: tuple[Array, Array]
+) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    return default_programs().projections(problem.A, problem.lower, problem.upper, scale, bounds, rows)
+
+
+def _decided_projections(
+    problem: SampleProblem, rows: NDArray[np.int32], scale: Array, bounds: tuple[Array, Array]
+) -> tuple[NDArray[np.int32], Array]:
+    """Corners of all samples, and how many each has; what the kernel did not decide, over other free unknowns.
+
+    Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier
+    is too small to be told from rounding.
+    """
+    number, corners, status = _projections(problem, rows, scale, bounds)
+    again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
+    if not again.size:
+        return number, corners
+    some, free = problem.at(again), problem.unknowns - 2
+    turned = some.A * scale[again, None, :]
+    directions, sizes, _ = np.linalg.svd(turned[:, rows, :free], full_matrices=False)
+    used = sizes > NO_DIRECTION * sizes[:, :1]
+    turned[:, :, :free] = 0.0
+    turned[:, rows, : used.shape[1]] = directions * used[:, None, :]
+    ones, its_bounds = np.ones_like(scale[again]), (bounds[0][again], bounds[1][again])
+    more, found, _ = _projections(replace(some, A=turned), rows, ones, its_bounds)
+    places = np.repeat(np.cumsum(number)[again], more)  # none of them had corners
+    number[again] = more
+    return number, np.insert(corners, places, found, axis=0)
+
 
 END_SPEED_TOLERANCE = 1e-9
 """Share by which a given end speed may miss its controllable set: rounding."""

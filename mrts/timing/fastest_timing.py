@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array, median
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
@@ -21,11 +20,17 @@ from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_pro
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion
-from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
-from mrts.timing.path_pieces import PathError, PathPiece, by_turns, closed_piece, path_pieces
+from mrts.timing.fastest_profile import (
+    Obstacle,
+    SpeedRegions,
+    fastest_profile,
+    intersect_regions,
+    rising_profile,
+    speed_regions,
+)
+from mrts.timing.path_pieces import PathError, PathPiece, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import FastestPiece, fastest_piece, fastest_pieces
-from mrts.timing.speed_regions import SpeedRegions, intersect_regions, speed_regions
+from mrts.timing.retimed_motion import TimedPiece, fastest_piece
 from mrts.timing.successive_profiles import successive_profiles
 
 UNBOUNDED_SHARE = 0.5
@@ -48,21 +53,14 @@ REACHED = 3
 
 
 def fastest_timing(
-    asked: RetimingResult,
-    motion: CoordinatedMotion,
-    progress: Progress,
-    *,
-    refined: bool = False,
-    before: RetimingResult | None = None,
+    asked: RetimingResult, motion: CoordinatedMotion, before: RetimingResult | None = None
 ) -> RetimingResult:
     """The fastest timing with limits kept at the samples of a motion.
 
     Args:
         asked: Cell, options, given motion and speeds at its ends.
         motion: With the samples at which limits are kept.
-        refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
-            parameter by turns would be another one each round, uneven where samples were added.
-        before: The timing before they were added: where its path is the same, so are the admissible speeds.
+        before: The timing before samples were added: where its path is the same, so are the admissible speeds.
     """
     cell, end_speeds = asked.cell, asked.end_speeds
     points: tuple[LoadPoint | None, ...] = (None,)
@@ -78,12 +76,9 @@ def fastest_timing(
     for name, speed, at_rest in zip(("start_speed", "end_speed"), end_speeds, rests, strict=True):
         if speed > 0 and at_rest:
             raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
-    timed: list[FastestPiece] = []
-    by_arc = [closed_piece(cell, part) for part in pieces]
-    for number, piece in enumerate(by_arc if refined else map(by_turns, by_arc)):
-        progress(number, len(pieces))
-        search = _Search(untimed, piece, points, before)
-        found = search.run(progress if len(pieces) == 1 else lambda _done, _total: None)
+    timed: list[TimedPiece] = []
+    for part in pieces:
+        found = _Search(untimed, closed_piece(cell, part), points, before).run()
         if isinstance(found, RetimingResult):
             return found
         timed.append(found)
@@ -111,16 +106,16 @@ class _Search:
         """The limits along the piece."""
         return motion_rows(self.untimed.cell, self.piece.path, self.untimed.options.sharing)
 
-    def run(self, progress: Progress) -> FastestPiece | RetimingResult:
+    def run(self) -> TimedPiece | RetimingResult:
         """The fastest profile, or the outcome without one."""
         step = self.piece.step
         if self.rows.has_speed_terms:
-            steps = successive_profiles([*self._problems(progress)], step, self.ends)
+            steps = successive_profiles([*self._problems()], step, self.ends)
             if isinstance(steps, Obstacle):
                 return self._explained(steps)
             last = fastest_piece(self.piece, steps[-1])
-            return self._unusual(last) or last
-        regions = self._regions(progress)
+            return self._unusual(last, steps[-1].regions.bound) or last
+        regions = self._regions()
         for sample in regions.undecided:
             conflict = self._conflict(sample)
             if conflict is None:
@@ -133,41 +128,37 @@ class _Search:
         if isinstance(found, Obstacle):
             return self._explained(found)
         timed = fastest_piece(self.piece, found)
-        unusual = self._unusual(timed)
+        unusual = self._unusual(timed, regions.bound)
         if unusual is not None:
             return unusual
         faster = rising_profile(found, step, self.ends, timed.segment_times)
         return timed if faster is found else fastest_piece(self.piece, faster)
 
-    def _problems(self, progress: Progress, samples: NDArray[np.intp] | None = None) -> Iterator[SampleProblem]:
+    def _problems(self, samples: NDArray[np.intp] | None = None) -> Iterator[SampleProblem]:
         """The rows of some samples, or all, for each load."""
-        for number, load in enumerate(self.untimed.loads):
-            progress(number, len(self.points))
+        for load in self.untimed.loads:
             yield build_sample_problem(self.rows, load=load, samples=samples, varying=True)
-        progress(len(self.points), len(self.points))
 
-    def _regions(self, progress: Progress) -> SpeedRegions:
+    def _regions(self) -> SpeedRegions:
         """The admissible speeds at all samples; where the path is that of the timing before, they are known."""
         length, before = float(np.sum(self.piece.step)), self.before
         known = before and before.part_along(self.piece, self.untimed.motion)
-        if not before or not known:
-            return intersect_regions([speed_regions(one, length, self.ends) for one in self._problems(progress)])
-        number, own = known
-        regions = fastest_pieces(before.pieces)[number].profile.regions
+        profile = before.pieces[known[0]].profile if before and known else None
+        if not known or profile is None:
+            return intersect_regions([speed_regions(one, length, self.ends) for one in self._problems()])
+        own, regions = known[1], profile.regions
         new = np.delete(np.arange(len(self.piece.arc)), own)
         if not new.size:
             return regions
-        problems = self._problems(progress, new)
-        return regions.with_samples(
-            new, intersect_regions([speed_regions(one, length, self.ends, regions.bound) for one in problems])
-        )
+        more = [speed_regions(one, length, self.ends, regions.bound) for one in self._problems(new)]
+        return regions.with_samples(new, intersect_regions(more))
 
     def _none(self, status: RetimingStatus, why: str, conflict: Conflict | None = None) -> RetimingResult:
         return replace(self.untimed, status=status, explanation=why, conflict=conflict)
 
-    def _unusual(self, timed: FastestPiece) -> RetimingResult | None:
+    def _unusual(self, timed: TimedPiece, bound: float) -> RetimingResult | None:
         fastest = int(np.argmax(timed.x))
-        if timed.x[fastest] >= UNBOUNDED_SHARE * timed.profile.regions.bound:
+        if timed.x[fastest] >= UNBOUNDED_SHARE * bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return self._none(RetimingStatus.UNBOUNDED, why)
         with np.errstate(divide="ignore"):
@@ -221,7 +212,7 @@ class _Search:
     ) -> Conflict | None:
         time = self.untimed.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
-        for point, problem in zip(self.points, self._problems(lambda _done, _total: None), strict=True):
+        for point, problem in zip(self.points, self._problems(), strict=True):
             if reach is None:
                 found = sample_conflict(problem, time, sample, x)
             else:
@@ -247,12 +238,11 @@ def timing_question(found: RetimingResult) -> SpeedQuestion:
     if found.smooth is not None:
         rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
         raise InputError("what if", rule)
-    refined = found.motion.samples > found.given.samples
     asked = replace(found, options=replace(found.options, rates=None, between=None))
 
     def answer(cell: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
         changed = replace(asked, cell=cell, given=motion)
-        return _of_timing(fastest_timing(changed, motion, lambda _done, _total: None, refined=refined))
+        return _of_timing(fastest_timing(changed, motion))
 
     return found.cell, found.motion, answer
 

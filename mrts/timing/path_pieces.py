@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The path of a motion without its timing, in pieces from stop to stop: by arc length, by its turns, or by a quintic.
+"""The path of a motion without its timing, in pieces from stop to stop: by arc length, or by a quintic.
 
 The last is for smooth timings: by the time of a quintic one that starts from rest with limited rates is regular.
 """
@@ -30,21 +30,6 @@ PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
 
 NEAR_REST = 1e-3
 """Below this share, q'/|q'| and its derivative lose digits: they are continued from the first faster sample."""
-
-STRAIGHT = 0.1
-"""Share of the mean curvature, and turn of a whole path [rad], below which its parameter passes over turns."""
-
-EVEN = 0.1
-"""Largest turn from sample to sample [rad] up to which a path is timed by its arc length."""
-
-STEADY = 2.0
-"""Largest change of ln ds/dσ by each radian that a path turns: on a parabola it is tan of the angle from its vertex."""
-
-SAME_PACE = 4.0
-"""By how much ds/dσ at a sample may differ from that of the segments beside it: more is no chart of the path."""
-
-FEWEST = 4
-"""Samples that a cubic spline with free ends needs."""
 
 LEAST_NODES = 60
 """Nodes of a piece where the given motion has fewer samples."""
@@ -121,7 +106,7 @@ def path_pieces(motion: CoordinatedMotion) -> list[PathPiece]:
         PathError: If the motion stands still over a segment, or turns back inside one.
         InputError: If numbers of floating point do not hold the path.
     """
-    speed = _root_mean_square(motion.dq)
+    speed = root_mean_square(motion.dq)
     fastest = float(np.max(speed))
     rest = speed <= REST * fastest
     if np.all(rest):
@@ -226,52 +211,6 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     return replace(piece, path=unchecked_coordinated_motion(path.object, path.q, dq, ddq, path.travel))
 
 
-def by_turns(piece: PathPiece) -> PathPiece:
-    """A piece by arc length by a parameter in which its turns are as even as on a parabola by its own.
-
-    Where a path turns sharply its direction changes within few samples by arc length, while joints that are splines
-    are polynomials by their own parameter. dσ = κ^(1/3) ds is the parameter of every parabola (its affine arc
-    length); where the curvature κ is small σ is the arc length again, so a straight path keeps it. Samples that are
-    close enough together do too: a piece whose turns from one to the next are small is returned as it is.
-    """
-    path, s = piece.path, piece.arc
-    turn = _root_mean_square(np.diff(path.dq, axis=0))
-    moving = np.delete(np.arange(len(s)), piece.continued)
-    if len(moving) < FEWEST or np.max(turn) <= EVEN:
-        return piece
-    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for paths that turn only)
-
-    curvature, step = np.sqrt(np.mean(path.ddq**2, axis=1)), np.diff(s)
-    passed = STRAIGHT * (1 + float(np.sum(turn))) / s[-1]
-    pace = np.exp(_steady(-np.log(1 + (curvature / passed) ** 2) / 6, STEADY * turn))
-    sigma = np.concatenate([[0.0], np.cumsum(2 * step / (pace[:-1] + pace[1:]))])
-    spline = CubicSpline(sigma[moving], path.q[moving])
-    rate, change = spline(sigma, 1), spline(sigma, 2)
-    first = np.sqrt(np.mean(rate**2, axis=1))
-    mean = step / np.diff(sigma)
-    if any(
-        np.any(np.abs(np.log(first[side] / mean)) > np.log(SAME_PACE)) for side in (slice(None, -1), slice(1, None))
-    ):
-        return piece
-    return replace(
-        piece, path=by_parameter(path, sigma, first, np.mean(rate * change, axis=1) / first), arc_speed=first
-    )
-
-
-def _steady(values: Array, most: Array) -> Array:
-    """Values between the least above and the largest below that change by no more from sample to sample."""
-    way = np.concatenate([[0.0], np.cumsum(most)])
-
-    def below(given: Array) -> Array:
-        behind = np.minimum.accumulate(given - way) + way
-        ahead = np.minimum.accumulate((given + way)[::-1])[::-1] - way
-        both: Array = np.minimum(behind, ahead)
-        return both
-
-    steady: Array = (below(values) - below(-values)) / 2
-    return steady
-
-
 def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Array) -> CoordinatedMotion:
     """A path by arc length s as one by another parameter σ, by σ, ds/dσ and d²s/dσ² at the samples, each Shape (n,)."""
 
@@ -284,7 +223,8 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel_directions(path))
 
 
-def _root_mean_square(values: Array) -> Array:
+def root_mean_square(values: Array) -> Array:
+    """Over the joints, Shape (N,) of (N, m)."""
     found: Array = np.sqrt(row_products(values, values) / values.shape[1])
     return found
 
@@ -294,30 +234,10 @@ def _arcs(q: Array, direction: Array) -> Array:
 
     They do not depend on the timing, which may have a kink between two samples.
     """
-    chord, turn = _root_mean_square(q[1:] - q[:-1]), _root_mean_square(direction[1:] - direction[:-1])
+    chord, turn = root_mean_square(q[1:] - q[:-1]), root_mean_square(direction[1:] - direction[:-1])
     half = np.minimum(turn / 2, 1.0)
     arcs: Array = chord * np.divide(np.arcsin(half), half, out=np.ones_like(half), where=half > 0)
     return arcs
-
-
-@dataclass(frozen=True, kw_only=True)
-class SmoothPath(PathPiece):
-    """A piece of a path whose `path` has σ for time.
-
-    Attributes:
-        stops: Whether its timing is at rest at its start, and at its end.
-        fine: The path at its nodes and between them, every `STRIDE`th of K samples a node.
-        third: q''' at the start and at the end of each of their segments, Shape (K - 1, 2, m).
-    """
-
-    stops: tuple[bool, bool]
-    fine: CoordinatedMotion
-    third: Array
-
-    @property
-    def inside(self) -> NDArray[np.int_]:
-        """Which samples of `fine` are not nodes, Shape (K - n,)."""
-        return np.flatnonzero(np.arange(self.fine.samples) % STRIDE)
 
 
 def _inverse(rising: Polynomial, share: Array) -> Array:
@@ -372,8 +292,8 @@ def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
 
 def smooth_path(
     motion: CoordinatedMotion, piece: PathPiece, end_speeds: tuple[float, float], slower: float
-) -> SmoothPath:
-    """A piece by σ, the time in which a quintic from stop to stop goes its way.
+) -> tuple[PathPiece, CoordinatedMotion, Array]:
+    """A piece by σ, the time in which a quintic from stop to stop goes its way; `fine` and `third` of `SmoothPiece`.
 
     Where it is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a limited rate it goes with t³, so that ṡ²
     by σ is finite and not zero.
@@ -392,7 +312,7 @@ def smooth_path(
         turns = _between_nodes(s, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
     sides = np.stack([np.arange(len(s) - 1), np.arange(1, len(s))], axis=1)
     by, by2, by3 = (of[sides][..., None] for of in (first, second, third))
-    return SmoothPath(
+    of_nodes = PathPiece(
         first=first_node,
         path=by_parameter(path.at(nodes), z[nodes] * duration, first[nodes], second[nodes]),
         speed=piece.speed[nodes],
@@ -400,13 +320,12 @@ def smooth_path(
         continued=np.flatnonzero(np.isin(nodes, piece.continued)),
         arc=s[nodes],
         arc_speed=first[nodes],
-        stops=at_rest,
-        fine=by_parameter(path, z * duration, first, second),
-        third=turns * by**3 + 3 * path.ddq[sides] * by * by2 + path.dq[sides] * by3,
     )
+    third = turns * by**3 + 3 * path.ddq[sides] * by * by2 + path.dq[sides] * by3
+    return of_nodes, by_parameter(path, z * duration, first, second), third
 
 
-def joined_at_stops(pieces: Sequence[SmoothPath]) -> list[SmoothPath]:
+def joined_at_stops(pieces: Sequence[PathPiece]) -> list[PathPiece]:
     """The same pieces, each knowing at a stop how every joint travels on the other side of it.
 
     So the torques at a stop are the same before and after it: of a joint that turns back there, without dry friction.

@@ -33,7 +33,7 @@ from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.what_if import SpeedQuestion, WhatIf
 from mrts.timing.path_pieces import PathPiece
-from mrts.timing.retimed_motion import FastestPiece, SmoothPiece, TimedPiece, at_segment_ends, new_times
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, at_segment_ends, new_times
 
 BINDING = 1e-6
 """A limit binds where the motion could be no faster by more than this share of c²."""
@@ -92,7 +92,7 @@ class SmoothAnswer:
     steps: int
     gain: float | None
     room: float = 0.0
-    fastest: tuple[FastestPiece, ...] = ()
+    fastest: tuple[TimedPiece, ...] = ()
 
     @property
     def bound(self) -> float | None:

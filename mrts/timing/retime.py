@@ -32,7 +32,7 @@ from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.path_pieces import smooth_nodes
 from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
-from mrts.timing.retimed_motion import fastest_pieces, new_times, retimed_motion, smooth_pieces
+from mrts.timing.retimed_motion import SmoothPiece, new_times, retimed_motion
 from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
 
 ROOM = 0.01
@@ -85,7 +85,7 @@ def retime(
             [1/s]; docs/smooth.md.
         least_energy_in: With rates: the longest duration, within which the energy ∫ τᵀWτ dt is to be least [s]; None
             makes the duration least.
-        progress: Told how many of how many loads, or with rates of how many steps, are done.
+        progress: With rates, told how many of how many steps are done.
 
     Returns:
         The outcome; where no timing is admissible, its `explanation` says why.
@@ -113,11 +113,8 @@ def retime(
     if options.between is not None:
         check_held_between(cell, given)
 
-    def again(path: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
-        return fastest_timing(asked, path, progress, refined=True, before=before)
-
-    first = fastest_timing(asked, given, progress)
-    fastest = refined_timing(first, again, options.between)
+    first = fastest_timing(asked, given)
+    fastest = refined_timing(first, partial(fastest_timing, asked), options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         unrated = replace(asked, options=replace(options, rates=None)).factor
         return _smooth(SmoothQuestion(fastest, unrated, goal, KernelSolver()), progress)
@@ -132,15 +129,18 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     bare = question.bare
     nodes = smooth_nodes(bare.cell, question.constant.motion, bare.end_speeds)
 
+    def smooth(timed: RetimingResult) -> list[SmoothPiece]:
+        return [part for part in timed.pieces if isinstance(part, SmoothPiece)]
+
     def again(motion: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
-        return smooth_timing(question, motion, before.pieces, progress)
+        return smooth_timing(question, motion, smooth(before), progress)
 
     coarse = smooth_timing(question, nodes, (), progress)
     if coarse.status is RetimingStatus.RATES_TOO_SMALL:  # they may slow it down by far: by how much takes longer to ask
         question = replace(question, constant=bare.factor)
         coarse = smooth_timing(question, nodes, (), progress)
     found = refined_timing(coarse, again, bare.options.between)
-    pieces = smooth_pieces(found.pieces)
+    pieces = smooth(found)
     gains = [part.steps.gain for part in pieces]
     least = sum(float(np.sum(part.program.times(part.steps.best.x))) for part in pieces)
     answer = SmoothAnswer(
@@ -148,7 +148,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
         steps=question.solver.steps,
         gain=None if None in gains else max((gain for gain in gains if gain is not None), default=0.0),
         room=found.duration / least - 1 if found.duration is not None and question.goal.room else 0.0,
-        fastest=fastest_pieces(bare.pieces),
+        fastest=bare.pieces,
     )
     found = replace(found, smooth=answer)
     if not pieces:

@@ -19,7 +19,7 @@ from mrts.program.motion_rows import travel_directions
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.successive_steps import StepsTaken
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
-from mrts.timing.path_pieces import PLACES, STRIDE, PathPiece, SmoothPath
+from mrts.timing.path_pieces import PLACES, STRIDE, PathPiece
 
 JOINT_PATH = structure("arm_tips.c", "mrts_joint_path")
 
@@ -35,26 +35,19 @@ class TimedPiece:
         piece: The piece, n samples; its time is the path parameter σ.
         x: σ̇² at the samples, Shape (n,).
         rates: σ̈ at the start and at the end of every segment, linear in between, Shape (n - 1, 2).
+        profile: Of a fastest timing: x with the admissible (σ̈, σ̇²) in which it is the fastest.
     """
 
     piece: PathPiece
     x: Array
     rates: Array
-
-    @property
-    def arc_speed(self) -> Array:
-        """Speed along the arc length at the samples, Shape (n,)."""
-        return self.along_arc(self.x)
+    profile: SpeedProfile | None = None
 
     @cached_property
     def segment_times(self) -> Array:
-        """Duration of each segment, 2 Δs / (ṡ_start + ṡ_end), Shape (n - 1,) [s].
-
-        Exact where s̈ is constant on the segment; else it is what the limits of rates were kept with.
-        """
-        speed = np.sqrt(self.x)
-        duration: Array = 2 * self.piece.step / (speed[:-1] + speed[1:])
-        return duration
+        """Duration of each segment, Shape (n - 1,) [s]; of a smooth one, what the limits of rates were kept with."""
+        rise = np.zeros_like(self.piece.step) if self.profile is None else self.profile.rise
+        return segment_times(self.piece.step, self.x, rise)
 
     def along_arc(self, x: Array) -> Array:
         """Speeds ṡ along the arc length at the samples, for some σ̇² there, Shape (n,)."""
@@ -63,37 +56,22 @@ class TimedPiece:
 
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
         """The profile as JSON values, along the arc length; `time` of the given motion, Shape (N,) [s]."""
-        own = time[self.piece.first :][: len(self.x)].tolist()
-        return {"r": own, "s": self.piece.arc.tolist(), "speed": self.arc_speed.tolist()}
-
-
-@dataclass(frozen=True, kw_only=True)
-class FastestPiece(TimedPiece):
-    """A piece with its fastest speed, a profile of σ̇² in the admissible (σ̈, σ̇²) at its samples."""
-
-    profile: SpeedProfile
-
-    @cached_property
-    def segment_times(self) -> Array:
-        """Duration of each segment, Shape (n - 1,) [s]."""
-        return segment_times(self.piece.step, self.x, self.profile.rise)
-
-    def to_json(self, time: Array) -> dict[str, list[float | None]]:
-        """Also the speeds that the limits leave."""
-        largest = self.along_arc(self.profile.regions.upper).tolist()
-        return super().to_json(time) | {
-            "least_controllable": self.along_arc(self.profile.lower).tolist(),
-            "largest_controllable": self.along_arc(self.profile.upper).tolist(),
-            "largest": [speed if np.isfinite(speed) else None for speed in largest],
-        }
+        own, speeds = time[self.piece.first :][: len(self.x)], {"speed": self.x}
+        if self.profile is not None:
+            speeds |= {"least_controllable": self.profile.lower, "largest_controllable": self.profile.upper}
+            speeds["largest"] = self.profile.regions.upper
+        along = {name: self.along_arc(x).tolist() for name, x in speeds.items()}
+        finite = {name: [speed if np.isfinite(speed) else None for speed in of] for name, of in along.items()}
+        return {"r": own.tolist(), "s": self.piece.arc.tolist(), **finite}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SmoothPiece(TimedPiece):
-    """A piece with its smooth timing; its `piece` is a path by σ.
+    """A piece with its smooth timing, by σ.
 
     Attributes:
-        piece: The piece, n samples.
+        fine: The path at its nodes and between them, every `STRIDE`th of K samples a node.
+        third: q''' at the start and at the end of each of their segments, Shape (K - 1, 2, m).
         program: All limits of it, for all loads.
         steps: How the timing was found.
         plan: Free wrenches of the least torques that carry the cell's load within all limits and rates, Shape (n, f).
@@ -101,7 +79,8 @@ class SmoothPiece(TimedPiece):
         wrench: Contact wrenches with them, Shape (n, n w) [N, N m].
     """
 
-    piece: SmoothPath
+    fine: CoordinatedMotion
+    third: Array
     program: SmoothProgram
     steps: StepsTaken
     plan: Array
@@ -116,10 +95,15 @@ class SmoothPiece(TimedPiece):
             "sigma_rate": self.steps.profile.u.tolist(),
         }
 
+    @property
+    def inside(self) -> NDArray[np.int_]:
+        """Which samples of `fine` are not nodes, Shape (K - n,)."""
+        return np.flatnonzero(np.arange(self.fine.samples) % STRIDE)
+
     def between(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
         """The fine samples that are not nodes: segment, place in it, x and u there, each Shape (k,)."""
-        segment, step = self.piece.inside // STRIDE, self.piece.step
-        after = self.piece.fine.object.time[self.piece.inside] - self.piece.path.object.time[segment]
+        segment, step = self.inside // STRIDE, self.piece.step
+        after = self.fine.object.time[self.inside] - self.piece.path.object.time[segment]
         place, start, change = after / step[segment], self.rates[segment, 0], np.diff(self.rates)[segment, 0]
         return segment, place, self.x[segment] + 2 * after * (start + change * place / 2), start + change * place
 
@@ -130,20 +114,10 @@ class SmoothPiece(TimedPiece):
         return self.program.binding(profile.x, profile.u, profile.free, BINDING)
 
 
-def fastest_pieces(pieces: Sequence[TimedPiece]) -> tuple[FastestPiece, ...]:
-    """Those with the fastest speed: all or none of a result."""
-    return tuple(part for part in pieces if isinstance(part, FastestPiece))
-
-
-def smooth_pieces(pieces: Sequence[TimedPiece]) -> list[SmoothPiece]:
-    """Those that are smooth: all or none of a result."""
-    return [part for part in pieces if isinstance(part, SmoothPiece)]
-
-
-def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> FastestPiece:
+def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> TimedPiece:
     """A piece of n samples with its fastest profile."""
     mean, half = np.diff(profile.x) / (2 * piece.step), profile.rise / 2
-    return FastestPiece(piece=piece, x=profile.x, rates=np.column_stack([mean - half, mean + half]), profile=profile)
+    return TimedPiece(piece=piece, x=profile.x, rates=np.column_stack([mean - half, mean + half]), profile=profile)
 
 
 def new_times(pieces: Sequence[TimedPiece]) -> Array:

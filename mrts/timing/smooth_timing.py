@@ -27,15 +27,16 @@ from mrts.scaling.result import ScalingResult
 from mrts.timing.path_pieces import (
     PLACES,
     STRIDE,
-    SmoothPath,
+    PathPiece,
     closed_piece,
     joined_at_stops,
     path_pieces,
     smooth_path,
+    stops,
     with_samples,
 )
 from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, smooth_pieces
+from mrts.timing.retimed_motion import SmoothPiece
 
 NARROWING = 1e-5
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
@@ -97,13 +98,13 @@ class SmoothQuestion:
 
     def program(self, part: "_Part", chosen: Sequence[int], weights: Array | None) -> SmoothProgram:
         """Limits of a piece for some of its loads, with the wrenches that are given at its ends."""
-        piece, problems = part.piece, [part.problems[place] for place in chosen]
+        piece, speeds, problems = part.piece, self.bare.end_speeds, [part.problems[place] for place in chosen]
         start, end = (
             None if stopped else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
-            for stopped, speed, place in zip(piece.stops, self.bare.end_speeds, (0, -1), strict=True)
+            for stopped, speed, place in zip(stops(piece, speeds), speeds, (0, -1), strict=True)
         )
         first, last = (None if held is None else held[[*chosen]].ravel() for held in part.held)
-        third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
+        third = np.stack([part.third[::STRIDE, 0], part.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
         return path_program(
             self.bare.cell,
             piece.path,
@@ -122,21 +123,25 @@ class _Part:
     """A piece that is to be timed.
 
     Attributes:
-        piece: The piece.
+        piece: The piece, by σ.
+        fine: Of `SmoothPiece`.
+        third: Likewise.
         problems: Rows of [F, u, x] at its nodes, one a load; the last is that of the cell's own load.
         held: F of each problem at its start and its end, Shape (p, f), of the least torques at a stop on the way; None
             where it is free.
         before: The same piece in the round before.
     """
 
-    piece: SmoothPath
+    piece: PathPiece
+    fine: CoordinatedMotion
+    third: Array
     problems: list[SampleProblem]
     held: tuple[Array | None, Array | None]
     before: SmoothPiece | None
 
 
 def smooth_timing(
-    question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[TimedPiece], progress: Progress
+    question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece], progress: Progress
 ) -> RetimingResult:
     """The best timing with limits kept at the nodes, the samples of a motion.
 
@@ -147,7 +152,7 @@ def smooth_timing(
     bare = question.bare
     status = RetimingStatus.LOCALLY_OPTIMAL
     untimed = RetimingResult(bare.cell, motion, bare.given, bare.options, status, loads=bare.loads)
-    parts = _parts(question, motion, smooth_pieces(before))
+    parts = _parts(question, motion, before)
     if question.goal.longest is not None and len(parts) > 1:
         raise InputError("least_energy_in", "goes with a motion that does not stop on its way: ask for each part.")
     try:
@@ -166,15 +171,16 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     fine = with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
     pieces = [closed_piece(cell, piece) for piece in path_pieces(fine)]
     usual = question.usual / float(time[-1])
-    paths = joined_at_stops([smooth_path(motion, piece, question.bare.end_speeds, usual) for piece in pieces])
+    by_sigma, *other = zip(*(smooth_path(motion, one, question.bare.end_speeds, usual) for one in pieces), strict=True)
+    paths = joined_at_stops(by_sigma)
     parts: list[_Part] = []
     start = None
-    for number, piece in enumerate(paths):
+    for number, (piece, fine, third) in enumerate(zip(paths, *other, strict=True)):
         rows = motion_rows(cell, piece.path, question.bare.options.sharing, circles=True)
         carried = loads if len(loads) == 1 else (*loads, None)
         problems = [build_sample_problem(rows, load=load, varying=True) for load in carried]
         end = None if number == len(paths) - 1 else _stopped_wrenches(problems, question.weights)
-        parts.append(_Part(piece, problems, (start, end), before[number] if before else None))
+        parts.append(_Part(piece, fine, third, problems, (start, end), before[number] if before else None))
         start = end
     return parts
 
@@ -268,6 +274,8 @@ def _planned(question: SmoothQuestion, part: _Part, program: SmoothProgram, step
     unknowns = np.column_stack([plan, u, x])
     return SmoothPiece(
         piece=part.piece,
+        fine=part.fine,
+        third=part.third,
         x=x,
         rates=np.column_stack([u[:-1], u[1:]]),
         program=program,

@@ -15,8 +15,16 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.programs import default_programs
 from mrts.program.sample_problem import SampleProblem
-from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile, segment_times
-from mrts.timing.speed_regions import FARTHEST, SpeedRegions, intersect_regions, speed_regions
+from mrts.timing.fastest_profile import (
+    FARTHEST,
+    Obstacle,
+    SpeedProfile,
+    SpeedRegions,
+    fastest_profile,
+    intersect_regions,
+    segment_times,
+    speed_regions,
+)
 
 CONVERGED = 1e-6
 """Share of the duration by which a step with the narrowest chords must shorten it, or it was the last."""
@@ -318,24 +326,13 @@ def _without_root(problem: SampleProblem, pressing: Lines, helping: Lines) -> Sa
         return problem
     both = np.any(root, axis=0)
     plain, split = np.flatnonzero(~both), np.flatnonzero(both)
-    order = np.concatenate([plain, split, split])
-    A, lower, upper = problem.A[:, order], problem.lower[:, order], problem.upper[:, order]
-    above, below = np.split(np.arange(len(plain), len(order)), 2)
+    twice = replace(problem, speed=None, torque_speed=None).only(np.concatenate([plain, split, split]))
+    A, lower, upper = twice.A, twice.lower, twice.upper
+    above, below = np.split(np.arange(len(plain), len(twice.names)), 2)
     lower[:, above], upper[:, below] = -np.inf, np.inf
     for rows, sign, limit in ((above, 1.0, upper), (below, -1.0, lower)):
         term = root[:, split]
         presses = sign * term > 0
         A[:, rows, -1] += term * np.where(presses, pressing[1][:, None], helping[1][:, None])
         limit[:, rows] -= term * np.where(presses, pressing[0][:, None], helping[0][:, None])
-    return replace(
-        problem,
-        names=tuple(problem.names[row] for row in order.tolist()),
-        A=A,
-        lower=lower,
-        upper=upper,
-        speed=None,
-        torque_speed=None,
-        **{
-            name: getattr(problem, name)[order] for name in ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
-        },
-    )
+    return twice

@@ -1,4 +1,4 @@
-"""Few samples: parameters in which turns are even, and accelerations that rise along a segment, beside toppra."""
+"""Few samples: sharp turns, and accelerations that rise along a segment, beside toppra."""
 
 import numpy as np
 import pytest
@@ -16,13 +16,11 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.timing.fastest_profile import segment_times
-from mrts.timing.path_pieces import by_turns, path_pieces
 from mrts.timing.retimed_motion import at_segment_ends
 
 PATHS = 4
 KEPT = 1e-6  # of c²: limits at both ends of a segment are kept to rounding, which a small effect of ṙ² widens
 LONGER = 1.02  # a single path may take so much longer than toppra's, which oversteps limits
-CLOSE = 20001  # samples with small turns from one to the next
 EVEN_GRID = np.linspace(0, 1, POINTS)
 
 
@@ -34,15 +32,14 @@ def arm(tmp_path_factory):
 
 @pytest.mark.parametrize("law", ["own", "quintic"])
 def test_coarse_tables_are_timed_no_worse_than_by_toppra(arm, law):
-    """On the same samples: what is overstepped between them, and how long it takes."""
+    """From the same samples: what is overstepped between them, and how long it takes."""
     grid = EVEN_GRID if law == "own" else PROFILES["quintic"](EVEN_GRID)[0]
     found = []
     for seed in range(PATHS):
         path = spline_path(*arm, seed)
         found.append(compared(path, table(path, grid), grid))
-    assert np.median([one.ours for one in found]) <= np.median([one.theirs for one in found])
     assert max(one.refined for one in found) <= 1e-4
-    ratios = [(1 + longer) / (1 + one.longer[0]) for one in found for longer in one.longer[1:]]
+    ratios = [(1 + one.longer[2]) / (1 + one.longer[0]) for one in found]
     assert np.median(ratios) < 1 < LONGER
     assert max(ratios) < LONGER
 
@@ -60,12 +57,11 @@ def test_limits_hold_between_the_samples_across_a_knot(arm):
 
 @pytest.mark.parametrize("seed", seeds(1, 1))
 def test_limits_hold_at_both_ends_of_every_segment(arm, seed):
-    """With a rising acceleration, in a parameter by turns: c² = 1 is within the range at each end."""
+    """With a rising acceleration: c² = 1 is within the range at each end."""
     path = spline_path(*arm, seed)
     found = mrts.retime(path.cell, table(path, EVEN_GRID), between=None)
     (part,) = found.pieces
     assert np.any(part.profile.rise)
-    assert np.ptp(part.piece.arc_speed) > 0
     for motion in at_segment_ends(part):
         assert np.min(motion_ranges(motion_rows(path.cell, motion), DEFAULT_SOLVER).upper) >= 1 - KEPT
 
@@ -93,24 +89,3 @@ def test_times_of_segments_are_those_of_the_differential_equation(seed):
     )
     assert found[0] == pytest.approx(played.t_events[0][0], rel=1e-8)
     assert played.y_events[0][0][1] ** 2 == pytest.approx(end, rel=1e-8)
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_a_path_by_its_turns_is_the_same_path(arm, seed):
-    """Its derivatives are those of the same positions, and its arc is that of before."""
-    path = spline_path(*arm, seed)
-    (arc,) = path_pieces(sampled(path, EVEN_GRID))
-    piece = by_turns(arc)
-    np.testing.assert_array_equal(piece.arc, arc.arc)
-    np.testing.assert_allclose(np.sqrt(np.mean(piece.path.dq**2, axis=1)), piece.arc_speed, rtol=1e-12)
-    normal = (
-        piece.path.ddq
-        - piece.path.dq * (np.sum(piece.path.ddq * piece.path.dq, axis=1) / np.sum(piece.path.dq**2, axis=1))[:, None]
-    )
-    np.testing.assert_allclose(normal, arc.path.ddq * piece.arc_speed[:, None] ** 2, atol=1e-9 * np.max(np.abs(normal)))
-    (fine,) = path_pieces(sampled(path, np.linspace(0, 1, CLOSE)))
-    assert by_turns(fine) is fine
-
-
-def sampled(path, grid):
-    return carried_by_first(path.cell, grid, *(path.spline(grid, order) for order in range(3)))

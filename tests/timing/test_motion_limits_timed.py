@@ -19,8 +19,7 @@ import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.timing.fastest_profile import SpeedProfile, fastest_profile
-from mrts.timing.speed_regions import speed_regions
+from mrts.timing.fastest_profile import SpeedProfile, fastest_profile, speed_regions
 
 SAME_DURATION = 1e-5
 """Of two solvers on one grid, relative: seidel keeps limits to 1e-6 of their size."""

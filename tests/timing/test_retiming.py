@@ -20,9 +20,8 @@ from mrts.following.coordinated_motion import carried_by_first
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile, speed_regions
 from mrts.timing.path_pieces import path_pieces
-from mrts.timing.speed_regions import speed_regions
 
 TOPPRA_TOLERANCE = 1e-4  # seidel keeps limits to 1e-6 of their size; a thin region turns that into more of x
 DURATION_TOLERANCE = 1e-3
