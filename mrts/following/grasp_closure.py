@@ -56,9 +56,6 @@ COARSE_SLIPS = (0.1, 0.5)
 ROUGH = 1.0
 """Typical slip of accelerations from positions, relative to the typical acceleration: from here on they are noise."""
 
-ROUGHENED = 0.1
-"""The same from where on it should be known: the range may then depend on the noise."""
-
 SILENT_GAP = 1e-6
 """Gap that is closed without a word [m, rad]: any table has it."""
 
@@ -172,13 +169,12 @@ def close_chain(
             "are allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they "
             "are right, allow more with --closure (argument closure)."
         )
-    exact, remarks = bool(np.max(gaps) <= GIVEN_CLOSURE), given.remarks
-    usual = ClosureBound()
+    exact, usual = bool(np.max(gaps) <= GIVEN_CLOSURE), ClosureBound()
     wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
     shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
     if source == "positions":
         shares = shares[:1]
-        remarks += _rough_accelerations(cell, given.object, tips, where)
+        _check_accelerations(cell, given.object, tips, where)
     if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP, source):
         raise MotionError(f"{where}: {misfit}")
     if carried:
@@ -191,7 +187,7 @@ def close_chain(
     _check_regular(cell, target.time, q)
     dq, ddq = nearest_rates(cell, target, q, given.dq, given.ddq)
     moved = float(np.max(np.abs(q - given.q)))
-    told = remarks + _correction(cell, gaps, bound, moved)
+    told = given.remarks + _correction(cell, gaps, bound, moved)
     course = given.course and replace(given.course, closed=True)
     return unchecked_coordinated_motion(target, q, dq, ddq, None, told, course)
 
@@ -214,25 +210,20 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     return bool(np.all(distance <= gaps[0]) and np.all(angle <= gaps[1]) and fits)
 
 
-def _rough_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion], where: str) -> tuple[Remark, ...]:
-    """How much of the accelerations is noise: root mean square of the worst tip's slip by that of accelerations."""
+def _check_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion], where: str) -> None:
+    """Refuse accelerations that are noise: root mean square of the worst tip's slip by that of accelerations."""
     rough = 0.0
     for robot, tip in zip(cell.robots, tips, strict=True):
         expected = tip_rates(cell, robot, given)[1]
         size = max(float(np.mean(expected**2)), float(np.mean(tip.acceleration**2)), ROUNDED_SLIP**2)
         rough = max(rough, float(np.sqrt(np.mean((tip.acceleration - expected) ** 2) / size)))
-    what = (
-        "the joint accelerations, which were found from the positions, are rough: the hands, which hold one object, "
-        f"differ typically by {rough:.2g} times the acceleration"
-    )
     if rough > ROUGH:
         raise MotionError(
-            f"{where}: {what}, so most of it is noise. Smooth them (--smooth 1e-3; in Python load_motion(…, "
-            "smooth=1e-3)), or give velocities and accelerations, more digits or fewer positions."
+            f"{where}: the joint accelerations, which were found from the positions, are rough: the hands, which hold "
+            f"one object, differ typically by {rough:.2g} times the acceleration, so most of it is noise. Smooth them "
+            "(--smooth 1e-3; in Python load_motion(…, smooth=1e-3)), or give velocities and accelerations, more digits "
+            "or fewer positions."
         )
-    if rough <= ROUGHENED:
-        return ()
-    return (Remark("rough-accelerations", f"{what}; the range may depend on that. Give velocities and accelerations."),)
 
 
 def _correction(cell: Cell, gaps: Array, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:

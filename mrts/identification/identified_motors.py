@@ -34,7 +34,7 @@ UNITS = {
 class ArmMotors:
     """The motors of one arm, joint side of their gears, and what they leave unexplained.
 
-    The first five are by parameter: "armature" (rotor inertia by the square of the gear ratio [kg m² or kg]), "coulomb"
+    The first four are by parameter: "armature" (rotor inertia by the square of the gear ratio [kg m² or kg]), "coulomb"
     (dry friction [N m or N]) and "viscous" (friction by speed [N m s/rad or N s/m]).
 
     Attributes:
@@ -43,7 +43,6 @@ class ArmMotors:
         half_width: Half the interval of 95 % confidence, Shape (n,), infinity where it is not identified.
         reasons: Why the motion does not show it, "" where it does, Shape (n,).
         bounded: Whether it is 0 because it must not be negative, Shape (n,).
-        free: What it would be if it might, Shape (n,).
         offset: Constant part of the effort, which no motor has: a sensor's zero, a load that the model lacks,
             Shape (n,) [N m or N].
         residual_rms: Of what was not explained, means of blocks, Shape (n,) [N m or N].
@@ -62,7 +61,6 @@ class ArmMotors:
     half_width: dict[str, Array]
     reasons: dict[str, NDArray[np.str_]]
     bounded: dict[str, NDArray[np.bool_]]
-    free: dict[str, Array]
     offset: Array
     residual_rms: Array
     explained: Array

@@ -16,7 +16,6 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.following.coordinate import MOST_NAMED, columns_by_joint, other_columns
-from mrts.following.tracking import PRINTED_TOLERANCE, within_limits
 from mrts.identification.identified_motors import UNITS, ArmMotors, MotorIdentification
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
@@ -45,6 +44,7 @@ narrow where residuals follow each other; more do not help with some hundred blo
 
 EXPLAINED = 0.5
 """Share of an effort's variance that model and motors explain at least, or something is wrong with either."""
+
 
 NOISY = 0.01
 """Share of a joint's squared accelerations that may be noise: its inertia is too small by as much."""
@@ -82,7 +82,7 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
         motion = smoothed_motion(recording.path, robot, joints, cutoff)
         _check_units(recording, robot, joints, motion)
         arms.append(_identify_arm(cell, robot, motion))
-        remarks += _remarks(arms[-1], motion)
+        remarks += _remarks(arms[-1], motion.speed_noise)
     if not any(np.any(arm.used) for arm in arms):
         raise InputError(
             recording.path,
@@ -204,49 +204,37 @@ def _explained(effort: Array, residual: Array, used: NDArray[np.bool_]) -> Array
     return shares
 
 
-def _remarks(arm: ArmMotors, motion: RecordedMotion) -> Iterator[Remark]:
+def _remarks(arm: ArmMotors, speed_noise: Array) -> Iterator[Remark]:
     """What to know of each joint of an arm.
 
-    Beyond its position limits, by whole turns or not, its zero may not be that of the URDF. Least squares take
-    accelerations for exact, so noisy ones leave too little inertia; the mean acceleration of a block is the difference
-    of two velocities by the block's length.
+    Least squares take accelerations for exact, so noisy ones leave too little inertia. The mean acceleration of a
+    block is the difference of two velocities by the block's length.
     """
-    robot, q = arm.robot, within_limits(arm.robot, motion.q)
-    low, high = np.min(q, axis=0), np.max(q, axis=0)
-    least, most = robot.position_lower, robot.position_upper
-    beyond = (low < least - PRINTED_TOLERANCE) | (high > most + PRINTED_TOLERANCE)
-    for place, joint in enumerate(robot.joints):
-        name = f"{robot.name}/{joint}"
-        moving = arm.acceleration[arm.used[:, place], place]
-        noise = 2 * (motion.speed_noise[place] * arm.cutoff) ** 2
-        noisy = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
-        if beyond[place]:
-            yield Remark(
-                "past-position-limit",
-                f"'{name}' moves from {low[place]:.4g} to {high[place]:.4g} {robot.position_units[place]}, its limits "
-                f"are [{least[place]:.4g}, {most[place]:.4g}]: is its zero that of the URDF? Gravity depends on it.",
-            )
+    for place, joint in enumerate(arm.robot.joints):
+        name = f"{arm.robot.name}/{joint}"
         for kind, reasons in arm.reasons.items():
             if reasons[place]:
                 yield Remark("not-excited", f"{kind} of '{name}' is not identified: {reasons[place]}.")
             if arm.bounded[kind][place]:
-                free = f"{arm.free[kind][place]:.3g} ± {arm.half_width[kind][place]:.2g}"
                 yield Remark(
                     "bound-active",
-                    f"{kind} of '{name}' is 0 because it cannot be negative; free, it were {free}: where that is far "
-                    "from 0, masses of the URDF or efforts are wrong.",
+                    f"{kind} of '{name}' is 0 ± {arm.half_width[kind][place]:.2g} because it cannot be negative: where "
+                    "it should not be near 0, masses of the URDF or efforts are wrong.",
                 )
         if arm.explained[place] < EXPLAINED:
             yield Remark(
                 "unexplained-effort",
                 f"only {100 * max(arm.explained[place], 0.0):.2g} % of the effort of '{name}' is explained: is it in "
                 "N m (N) and not in A, on the joint side of the gear, was nothing in the hand, is the URDF that of "
-                "this arm?",
+                "this arm, and its zero?",
             )
-        if noisy > NOISY:
+        moving = arm.acceleration[arm.used[:, place], place]
+        noise = 2 * (speed_noise[place] * arm.cutoff) ** 2
+        share = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
+        if share > NOISY:
             yield Remark(
                 "noisy-positions",
-                f"noise of the positions of '{name}' is {100 * noisy:.2g} % of its squared accelerations: its armature "
+                f"noise of the positions of '{name}' is {100 * share:.2g} % of its squared accelerations: its armature "
                 "is too small by that share of the whole inertia that the joint turns. Lower the cutoff, or accelerate "
                 "more.",
             )
@@ -276,7 +264,7 @@ def fit_joint(
 
     full = np.column_stack([columns, np.ones(len(columns))])
     X, y = full[used], left_over[used]
-    theta, free, half, held = np.zeros(4), np.zeros(4), np.full(3, np.inf), np.zeros(4, dtype=bool)
+    theta, half, held = np.zeros(4), np.full(3, np.inf), np.zeros(4, dtype=bool)
     reasons = np.full(3, "it hardly moves in the recording")
     if len(y) > X.shape[1]:
         scale = np.sqrt(np.mean(X**2, axis=0))
@@ -288,7 +276,7 @@ def fit_joint(
         theta, held = np.asarray(bounded.x, dtype=np.float64), np.asarray(bounded.active_mask != 0)
         error = _standard_errors(full / scale, left_over, used, theta, ~held)
         error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
-        theta, error, free = theta / scale, error / scale, free / scale
+        theta, error = theta / scale, error / scale
         half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
         doubt = half * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
         reasons = _reasons(columns[used], independent, doubt, torque_limit)
@@ -298,7 +286,6 @@ def fit_joint(
         "half_width": np.where(known, half, np.inf),
         "reasons": reasons,
         "bounded": held[:3] & known,
-        "free": np.where(known, free[:3], 0.0),
     }
     left = left_over[used] - fitted[used]
     return found, float(theta[3]), fitted, float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
