@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from conftest import UR5
 from followed_motions import assert_consistent, motion
-from published_robots import CASES, ROBOTS, urdf_path
-from shipped_cells import cell_of_arms
+from published_robots import CASES, urdf_path
 
 import mrts
 from mrts.cell.generation import arm_of_urdf, read_urdf
-from mrts.following.coordinate import coordinate
 from mrts.following.tracking import CLEARLY, arm_reach
 from mrts.starting.arm import Arm
 
@@ -19,43 +17,6 @@ from mrts.starting.arm import Arm
 def test_a_dual_arm_cell_follows_a_turning_object(dual_ur5):
     followed = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     assert_consistent(dual_ur5, followed)
-
-
-@pytest.fixture(scope="module")
-def two_pandas(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("pandas")
-    reference, tip = CASES["panda"]
-    robots = [
-        {
-            "name": name,
-            "urdf": str(ROBOTS / reference),
-            "tip_link": tip,
-            "base": {"xyz": [x, 0, 0], "rpy": [0, 0, yaw]},
-            "grasp": {"xyz": [float(np.sign(x) * 0.2), 0, 0], "rpy": [np.pi, 0, float(np.pi if x > 0 else 0)]},
-            "posture": [0.0, 0.3, 0.0, -2.0, 0.0, 2.3, 0.8],
-        }
-        for name, x, yaw in (("left", -0.75, 0.0), ("right", 0.75, np.pi))
-    ]
-    return mrts.load_cell(cell_of_arms(folder, *robots, inertia=[0.01, 0.02, 0.02]))
-
-
-def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas):
-    """Given joints a little off the grasps, with a motion of their own in the null space: that is kept."""
-    followed = mrts.follow_object(two_pandas, motion([0.03, 0.08, 0.48], (0.1, 0.0, 0.2), start=(0, 0, 0.4)))
-    time = followed.object.time
-    rate = 2 * np.pi / time[-1]
-    angle = rate * time[:, None] + np.arange(14)
-    wave = 4e-4 * np.array([np.sin(angle), rate * np.cos(angle), -(rate**2) * np.sin(angle)])
-    parts = followed.q + wave[0], followed.dq + wave[1], followed.ddq + wave[2]
-    found = coordinate(two_pandas, mrts.CoordinatedMotion(followed.object, *parts))
-    assert [remark.code for remark in found.remarks] == ["chain-closed"]
-    assert_consistent(two_pandas, found, tolerance=1e-4)
-    J = two_pandas.functions("kinematics", found.samples, {"q": found.q})["jacobian"]
-    for joints in two_pandas.joint_slices.values():
-        null = np.eye(7) - np.linalg.pinv(J[:, :, joints]) @ J[:, :, joints]
-        for ours, given in ((found.dq, parts[1]), (found.ddq, parts[2])):
-            changed = np.einsum("nij,nj->ni", null, ours[:, joints] - given[:, joints])
-            assert np.max(np.abs(changed)) < 1e-9
 
 
 @pytest.mark.quick

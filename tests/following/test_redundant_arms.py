@@ -11,6 +11,7 @@ from shipped_cells import cell_of_arms
 
 import mrts
 import mrts.following.tracking
+from mrts.following.coordinate import coordinate
 from mrts.following.tracking import LIMIT_PUSH, is_redundant, limit_zone
 
 PANDA = {"urdf": "panda_description/urdf/panda.urdf", "tip_link": "panda_hand_tcp"}
@@ -175,6 +176,24 @@ def test_a_path_depends_neither_on_samples_nor_on_speed(panda_and_ur5):
         tolerance = SAME_PATH * (1 + np.max(np.abs(value)))
         np.testing.assert_allclose(getattr(coarse, name), value[::4], atol=tolerance)
         np.testing.assert_allclose(getattr(slow, name) * 10**order, value, atol=tolerance)
+
+
+def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(panda_and_ur5):
+    """Given joints a little off the grasps, with a motion of their own in the null space: that is kept."""
+    cell, middle = panda_and_ur5
+    followed = mrts.follow_object(cell, from_to(middle, [0.03, 0.08, 0.08], rpy=(0.1, 0.0, 0.2)))
+    time = followed.object.time
+    rate = 2 * np.pi / time[-1]
+    angle = rate * time[:, None] + np.arange(13)
+    wave = 4e-4 * np.array([np.sin(angle), rate * np.cos(angle), -(rate**2) * np.sin(angle)])
+    parts = followed.q + wave[0], followed.dq + wave[1], followed.ddq + wave[2]
+    found = coordinate(cell, mrts.CoordinatedMotion(followed.object, *parts))
+    assert [remark.code for remark in found.remarks] == ["chain-closed"]
+    assert_consistent(cell, found, tolerance=1e-4)
+    J = cell.functions("kinematics", found.samples, {"q": found.q})["jacobian"]
+    null = np.eye(7) - np.linalg.pinv(J[:, :, :7]) @ J[:, :, :7]
+    for ours, given in ((found.dq, parts[1]), (found.ddq, parts[2])):
+        assert np.max(np.abs(np.einsum("nij,nj->ni", null, (ours - given)[:, :7]))) < 1e-9
 
 
 def test_talos_lifts_with_both_hands_inside_its_limits(talos, monkeypatch):
