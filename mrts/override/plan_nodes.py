@@ -202,35 +202,30 @@ def _both_sides(pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
     same = np.append(change <= SAME_ACCELERATION * np.max(np.abs(values["ddq"])), False)
     same[::2] = False  # the two ends of a segment
     kept = np.append(True, ~same[:-1])
-    time = np.repeat(times, 2)[1:-1][kept]
-    some = {name: of[kept] for name, of in values.items()}
-    carried = unchecked_object_motion(time, *(some[name] for name in ("position", "rotation", "twist", "acceleration")))
-    travel = np.ascontiguousarray(some["travel"].transpose(1, 0, 2))
-    return unchecked_coordinated_motion(carried, some["q"], some["dq"], some["ddq"], travel)
+    return _motion(np.repeat(times, 2)[1:-1][kept], {name: of[kept] for name, of in values.items()})
 
 
 def _columns(motion: CoordinatedMotion) -> dict[str, Array]:
+    """What a motion is at its samples, with the directions of travel before and after each, Shape (N, 2, m)."""
     of, travel = motion.object, travel_directions(motion).transpose(1, 0, 2)
     columns = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq, "travel": travel, "position": of.position}
     return columns | {"rotation": of.rotation, "twist": of.twist, "acceleration": of.acceleration}
 
 
+def _motion(time: Array, of: dict[str, Array]) -> CoordinatedMotion:
+    carried = unchecked_object_motion(time, *(of[name] for name in ("position", "rotation", "twist", "acceleration")))
+    travel = np.ascontiguousarray(of["travel"].transpose(1, 0, 2))
+    return unchecked_coordinated_motion(carried, of["q"], of["dq"], of["ddq"], travel)
+
+
 def divided(plan: Plan, segments: NDArray[np.intp], states: NDArray[Any]) -> Plan:
     """A plan with one more node in some segments, as the states there say; the object as the first arm carries it."""
-    motion, after = plan.motion, segments + 1
-    inside, given = motion_of(plan.cell, states if len(states) > 1 else states.repeat(2)), motion.object
-
-    def merged(here: Any, there: Any, names: Sequence[str]) -> list[Array]:
-        pairs = ((getattr(here, name), getattr(there, name)[: len(states)]) for name in names)
-        return [np.insert(of, after, new, axis=0) for of, new in pairs]
-
-    of_object = merged(given, inside.object, ("position", "rotation", "twist", "acceleration"))
-    carried = unchecked_object_motion(np.insert(given.time, after, states["time"]), *of_object)
-    q, dq, ddq = merged(motion, inside, ("q", "dq", "ddq"))
-    directions = travel_directions(motion)
-    travel = np.insert(directions, after, np.stack([directions[1, segments]] * 2), axis=1)
+    after, here = segments + 1, _columns(plan.motion)
+    there = _columns(motion_of(plan.cell, states if len(states) > 1 else states.repeat(2)))
+    there = {name: of[: len(states)] for name, of in there.items()} | {"travel": here["travel"][segments][:, [1, 1]]}
+    time = np.insert(plan.motion.object.time, after, states["time"])
+    motion = _motion(time, {name: np.insert(of, after, there[name], axis=0) for name, of in here.items()})
     planned = None if plan.wrench is None else np.insert(plan.wrench, after, states["wrench"], axis=0)
-    motion = unchecked_coordinated_motion(carried, q, dq, ddq, travel)
     most = np.insert(plan.most, after, np.minimum(plan.most[segments], plan.most[after]))
     return replace(plan, motion=motion, wrench=planned, most=most)
 
