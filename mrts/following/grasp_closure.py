@@ -251,13 +251,13 @@ def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
 
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
-    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
-    gaps = np.stack([held.gap.T, held.turn.T])
+    held, gap, turn, _ = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
+    gaps = np.stack([gap.T, turn.T])
     if np.max(gaps) > POSE_TOLERANCE:
         robot, sample, *_ = _worst(gaps, ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
         amounts = gaps[:, robot, sample].tolist()
         raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
-    return held.q
+    return held
 
 
 def _check_regular(cell: Cell, time: Array, q: Array) -> None:

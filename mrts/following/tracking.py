@@ -28,7 +28,7 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.kernel import tracking
-from mrts.kernel.tracking import PATH, HeldGrasps, follow_variants, hold_grasps
+from mrts.kernel.tracking import PATH, follow_variants, hold_grasps
 from mrts.motion.object_motion import ObjectMotion
 
 POSE_TOLERANCE = 1e-10
@@ -246,8 +246,8 @@ def tracking_rule(cell: Cell) -> Any:
 
 def solve_grasps(
     cell: Cell, motion: ObjectMotion, sample: int | NDArray[np.intp], start: Array, steps: int, *, near: Array | None
-) -> HeldGrasps:
-    """Joint positions that hold the grasps at one sample, or one for each of T sets to start from, Shape (T, m).
+) -> tuple[Array, Array, Array, Array]:
+    """`hold_grasps` at one sample, or one for each of T sets to start from, Shape (T, m).
 
     Redundant arms stay near the positions `near`, Shape (m,); None moves them no further than needed.
     """
@@ -260,9 +260,9 @@ def solve_grasps(
     return hold_grasps(cell.functions.motion_library, rule.task, start, given)
 
 
-def reached(held: HeldGrasps) -> NDArray[np.bool_]:
-    """Which arms hold their grasps, Shape (T, n)."""
-    found: NDArray[np.bool_] = np.maximum(held.gap, held.turn) <= POSE_TOLERANCE
+def reached(gap: Array, turn: Array) -> NDArray[np.bool_]:
+    """Which arms hold their grasps, by errors of position and rotation, Shape (T, n) each."""
+    found: NDArray[np.bool_] = np.maximum(gap, turn) <= POSE_TOLERANCE
     return found
 
 
@@ -434,10 +434,10 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     redundant = is_redundant(cell, robot)
     start = np.tile(cell.posture, (starts, 1))
     start[:, joints] = _random_starts(robot, starts)
-    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
-    settled = reached(held) & (held.drift <= SETTLED_PREFERENCE)
+    held, gap, turn, drift = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
+    settled = reached(gap, turn) & (drift <= SETTLED_PREFERENCE)
     distinct: list[Array] = []
-    for candidate in held.q[settled[:, index]][:, joints]:
+    for candidate in held[settled[:, index]][:, joints]:
         # a redundant arm has settled where its null space points, whole turns and all
         near = candidate if redundant else nearest_turns(robot, candidate, robot.posture)
         near = within_limits(robot, near[None])[0]

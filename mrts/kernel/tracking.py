@@ -3,7 +3,6 @@
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -61,25 +60,9 @@ def follow_variants(
     return q, dq, ddq, outcome
 
 
-@dataclass(frozen=True)
-class HeldGrasps:
-    """Joint positions that hold the grasps at one sample each, as well as T starts led to.
-
-    Attributes:
-        q: Those with the smallest errors met; of those without, the most settled in the null space, Shape (T, m)
-            [rad or m].
-        gap: Error of position, Shape (T, n) [m].
-        turn: Error of rotation, Shape (T, n) [rad].
-        drift: Step still to go in the null space, Shape (T, n) [rad or m]; zero for an arm that has none.
-    """
-
-    q: Array
-    gap: Array
-    turn: Array
-    drift: Array
-
-
-def hold_grasps(library: CellLibrary, task: Any, start: Array, given: Mapping[str, Array]) -> HeldGrasps:
+def hold_grasps(
+    library: CellLibrary, task: Any, start: Array, given: Mapping[str, Array]
+) -> tuple[Array, Array, Array, Array]:
     """Damped Newton steps (Sugihara 2011) from T starts, at one sample each.
 
     Args:
@@ -89,6 +72,11 @@ def hold_grasps(library: CellLibrary, task: Any, start: Array, given: Mapping[st
         given: By name, with T first, or 1 where all share one: "position" and "rotation" of the object, and
             "reference", the positions that redundant arms stay near, Shape (T, m); without it they move no further
             than needed.
+
+    Returns:
+        Joint positions with the smallest errors met, of those without the most settled in the null space, Shape (T, m)
+        [rad or m]; errors of position [m] and of rotation [rad], and the step still to go in the null space, zero for
+        an arm that has none [rad or m], Shape (T, n) each.
     """
     count, m = start.shape
     shapes = {"position": (3,), "rotation": (3, 3), "reference": (m,)}
@@ -97,9 +85,9 @@ def hold_grasps(library: CellLibrary, task: Any, start: Array, given: Mapping[st
     if "reference" not in given:
         places[2] = None
     q = np.array(start, dtype=np.float64)
-    sizes = [np.zeros((count, library.robots)) for _ in range(3)]
-    library.opened.mrts_hold(count, task, places, strides, q, *sizes)
-    return HeldGrasps(q, *sizes)
+    gap, turn, drift = np.zeros((3, count, library.robots))
+    library.opened.mrts_hold(count, task, places, strides, q, gap, turn, drift)
+    return q, gap, turn, drift
 
 
 def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]) -> tuple[list[Array], Any]:

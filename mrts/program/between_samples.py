@@ -3,7 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -117,40 +117,18 @@ Looked = tuple[MotionRows, SampleRanges]
 places alone."""
 
 
-@dataclass(frozen=True)
-class Refinement:
-    """What was found between the samples of a motion.
-
-    Attributes:
-        motion: The motion with the samples that had to be added; the given one where none had to.
-        looked: All places that were looked at; None if none had to be.
-        left: What is left between the samples, at the ends of the range.
-        ends: c²⁻ and c²⁺ at the given samples.
-    """
-
-    motion: CoordinatedMotion
-    looked: Looked | None
-    left: Excess
-    ends: tuple[float, float]
-
-    def excess(self, c2: float) -> Excess:
-        """How far limits are overstepped between the samples at a c² that is admissible at all of them."""
-        if self.looked is None or c2 in self.ends:
-            return self.left
-        worst = self.left if self.left.passes else Excess(0.0, self.left.tolerance)
-        for side in SIDES:
-            worst = _worse(worst, self.looked[1], *_overstepped(self.looked, c2, side), side)
-        return worst
-
-
 def refine(
     given: MotionRows, found: SampleRanges, whole: tuple[float, float], ranges: Ranges, tolerance: float
-) -> Refinement:
+) -> tuple[CoordinatedMotion, Callable[[float], Excess]]:
     """Look between the samples of a motion wherever its range of c² may be narrower, and add what samples that takes.
 
     The least c²⁺ and the largest c²⁻ along the motion are looked for in the gaps between samples; a place joins the
     samples where limits would have to move outward by more than the tolerance to admit the ends of the range, c²⁻ and
     c²⁺ as `whole`. So the ends become those at the worst places, and no other place forbids them.
+
+    Returns:
+        The motion with the samples that had to be added, the given one where none had to; and what tells how far limits
+        are overstepped between the samples at a c² that is admissible at all of them.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
@@ -158,7 +136,7 @@ def refine(
     motion = given.motion
     known, none = found, Excess(0.0, tolerance)
     if whole[1] <= 0:
-        return Refinement(motion, None, none, whole)
+        return motion, lambda _c2: none
     looked: Looked | None = None
     allowed, left = _allowed(given, known, tolerance), none
     for turn in range(MOST_ROUNDS):
@@ -184,11 +162,21 @@ def refine(
             break  # nothing moves there: that settles the outcome
         allowed = allowed or _allowed(rows, new, tolerance, first=1)
     if looked is None:
-        return Refinement(motion, None, left, whole)
+        return motion, lambda _c2: left
     added, left = _needed(looked, whole, left)
     if len(added):
         motion = denser(motion, looked[0].motion, added + 1)
-    return Refinement(motion, looked, left, whole)
+    return motion, partial(_excess, looked, left, whole)
+
+
+def _excess(looked: Looked, left: Excess, whole: tuple[float, float], c2: float) -> Excess:
+    """How far limits are overstepped at a c², given what is left at the ends of the range."""
+    if c2 in whole:
+        return left
+    worst = left if left.passes else Excess(0.0, left.tolerance)
+    for side in SIDES:
+        worst = _worse(worst, looked[1], *_overstepped(looked, c2, side), side)
+    return worst
 
 
 def _outside(known: SampleRanges, c2: float) -> NDArray[np.bool_]:

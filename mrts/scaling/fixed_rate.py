@@ -37,7 +37,7 @@ def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
     steps, refused = int(np.ceil(done.duration * rate * (1 - WHOLE))), MrtsError("")
     for _ in range(ATTEMPTS):
         motion = _sampled(result, steps, float(rate))
-        found, _, refined = admissible_range(done.cell, motion, options)
+        found, _, excess_at = admissible_range(done.cell, motion, options)
         ends, c2 = found.range, found.range.admitted(1.0, END_TOLERANCE)
         if c2 is None:
             refused = SelectionError(f"at {rate:g} Hz: {found.sentence()}", found)
@@ -46,7 +46,7 @@ def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
             steps = int(steps / np.sqrt(least)) if least > 1 else max(steps + 1, slower)
             continue
         own_range = ends if found.motion is motion else None
-        excess = None if refined is None else refined.excess(c2)
+        excess = excess_at and excess_at(c2)
         own = replace(options, rates=result.options.rates)  # a plan has its own rows alone, whatever was looked at
         try:
             sampled = with_torques(replace(found, motion=motion, found=own_range, c2=c2, options=own, excess=excess))

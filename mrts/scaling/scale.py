@@ -21,7 +21,7 @@ from mrts.limits.rows import rows_text
 from mrts.motion.joint_table import NO_SPEED, JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.program.between_samples import BETWEEN, Refinement, refine
+from mrts.program.between_samples import BETWEEN, Excess, refine
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
 from mrts.program.load_sharing import LoadSharing
@@ -144,7 +144,7 @@ def chosen_factor(
         SelectionError: If c² is not in the range; its `result` holds the range.
         SolverError: If no solver answers.
     """
-    result, rows, refinement = admissible_range(cell, motion, options, progress)
+    result, rows, excess = admissible_range(cell, motion, options, progress)
     factors = None
     if options.rates is not None:
         result, factors = within_rate_limits(result, rows)
@@ -157,7 +157,7 @@ def chosen_factor(
             _check_rated(factors, found, c2)
     except SelectionError as error:
         raise SelectionError(f"{kept_text(cell.reserve)}{error}", result) from None
-    return replace(result, c2=c2, excess=None if refinement is None else refinement.excess(c2)), rows
+    return replace(result, c2=c2, excess=excess and excess(c2)), rows
 
 
 def admissible_range(
@@ -165,7 +165,7 @@ def admissible_range(
     motion: CoordinatedMotion,
     options: Options,
     progress: Progress = lambda _done, _total: None,
-) -> tuple[ScalingResult, MotionRows, Refinement | None]:
+) -> tuple[ScalingResult, MotionRows, Callable[[float], Excess] | None]:
     """The range of c² of a motion, rates apart (steps 1 and 2 of MMTSF), between its samples too.
 
     For what is possible with some load, and with an internal wrench a sample, only the given samples are looked at.
@@ -179,7 +179,7 @@ def admissible_range(
     """
     rows = options.rows(cell, motion)
     found, study = range_at_samples(rows, options, progress)
-    refined, told = None, tuple[Remark, ...]()
+    excess, told = None, tuple[Remark, ...]()
     prescribed = options.sharing is not None and options.sharing.varies
     if options.between is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
         assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
@@ -190,9 +190,9 @@ def admissible_range(
                 return motion_ranges(there, options.solver, None, ends[1])
             return range_at_samples(there, options, high=ends[1])[0].samples
 
-        refined = refine(rows, found.samples, ends, ranges, options.between)
-        if refined.motion is not motion:
-            given, rows = found, rows.along(refined.motion)
+        refined, excess = refine(rows, found.samples, ends, ranges, options.between)
+        if refined is not motion:
+            given, rows = found, rows.along(refined)
             found, study = range_at_samples(rows, options, progress)
             if 0 < given.c2_upper < np.inf:
                 told = interpolated(motion, 1 - max(found.c2_upper, 0.0) / given.c2_upper, "c²⁺ {} less")
@@ -207,7 +207,7 @@ def admissible_range(
         options=options,
         remarks=partial(motion_remarks, cell, motion, rows.motion, told),
     )
-    return result, rows, refined
+    return result, rows, excess
 
 
 def within_rate_limits(result: ScalingResult, rows: MotionRows) -> tuple[ScalingResult, RatedFactors | None]:

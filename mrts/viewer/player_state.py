@@ -289,8 +289,9 @@ def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses
     """How near arms come to their grasps along a motion that they cannot follow, or one as of `still_motion`."""
     count = min(MOST_SAMPLES, len(motion.time))
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
-    held = solve_grasps(cell, motion, samples, np.tile(cell.posture, (len(samples), 1)), FURTHER_STEPS, near=None)
-    holds = reached(held)
-    carried = motion.time[samples], held.q, motion.position[samples], motion.rotation[samples]
+    start = np.tile(cell.posture, (len(samples), 1))
+    held, gap, turn, _ = solve_grasps(cell, motion, samples, start, FURTHER_STEPS, near=None)
+    holds = reached(gap, turn)
+    carried = motion.time[samples], held, motion.position[samples], motion.rotation[samples]
     scene = Scene(cell, *carried, passed=~np.all(holds, axis=1))
-    return HeldPoses(scene=scene, gap=held.gap, reached=holds, message=message)
+    return HeldPoses(scene=scene, gap=gap, reached=holds, message=message)

@@ -77,13 +77,13 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
     for _ in range(30):
         motion, reference = drawn_motion(rng, cell), starting_reference(cell)
         posture = reference + rng.choice([0.0, 0.02, 0.2]) * rng.normal(size=len(reference))
-        starts = solve_grasps(cell, motion, 0, posture[None], FURTHER_STEPS, near=posture)
-        found = follow_from(cell, motion, starts.q)
+        start, gap, turn, _ = solve_grasps(cell, motion, 0, posture[None], FURTHER_STEPS, near=posture)
+        found = follow_from(cell, motion, start)
         q, dq, ddq = found.q[0], found.dq[0], found.ddq[0]
         tips = tip_motions(cell, q, dq, ddq)
         gaps = grasp_gaps(cell, motion, tips)
         for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
-            if not reached(starts)[0, index]:
+            if not reached(gap, turn)[0, index]:
                 continue
             code, sample = found.outcome[0, index]["code"], found.outcome[0, index]["sample"]
             met[code] += 1
