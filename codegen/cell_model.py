@@ -13,7 +13,6 @@ from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.joint_limits import add_joint_limits
 from mrts_codegen.object_shape import build_shape, build_surroundings
 from mrts_codegen.urdf.held_joints import check_machines, held_positions
-from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
@@ -38,7 +37,10 @@ from mrts.cell.cell_file import (
 )
 from mrts.cell.points import ArmPointLimit, ObjectRates, point_names
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, MeshSurface
-from mrts.cell.robot import Robot, RobotSource
+from mrts.cell.robot import Robot, RobotSource, check_plane_kept
+
+PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
+"""Which rows of a wrench or twist [x, y, z, about x, about y, about z] a cell uses, by its `plane`."""
 
 
 class BuiltRobot(NamedTuple):
@@ -229,10 +231,6 @@ def build_robot(
                 values |= robot_values(path, f"{key}.{name}", given, values, components)
     with mistakes.noted():
         values["point_limits"] = _point_limits(path, f"{key}.frames", robot, model, urdf, held)
-    with mistakes.noted():
-        if plane is not None:
-            rotation_keys = robot.base.rotation_key, robot.grasp.rotation_key
-            check_plane_kept(path, key, plane, values["T_world_base"], values["T_object_tip"], model, rotation_keys)
     mistakes.raise_noted()
     source: RobotSource = values["source"]
     source = values["source"] = replace(
@@ -244,9 +242,12 @@ def build_robot(
     if source.friction is not None and any(map(any, source.friction)):
         remarks.append(_friction_of_urdf(robot.name, source.friction))
     try:
-        return BuiltRobot(Robot(name=robot.name, **values), model, urdf, tuple(remarks))
+        built = Robot(name=robot.name, **values)
+        if plane is not None:
+            check_plane_kept(built, plane)
     except InputError as error:
         raise error.inside(path, key) from None
+    return BuiltRobot(built, model, urdf, tuple(remarks))
 
 
 def _check_efforts(urdf_path: Path, name: str, path: Path, joints: tuple[Joint, ...]) -> None:

@@ -195,29 +195,3 @@ def plane_normal(plane: str) -> Array:
     """First × second coordinate axis of a plane, Shape (3,): 'xz' has -y."""
     first, second = (np.eye(3)["xyz".index(axis)] for axis in plane)
     return np.cross(first, second)
-
-
-def tilt(R: Array, plane: str) -> float:
-    """How far a rotation turns the normal of a plane out of itself: largest change of an entry."""
-    normal = plane_normal(plane)
-    return float(np.max(np.abs(R @ normal - normal)))
-
-
-def base_leaves(plane: str, R_world_base: Array) -> str:
-    """The rule that a base of a planar cell breaks; empty if it stays in the plane."""
-    if tilt(R_world_base, plane) <= PLANE_TOLERANCE:
-        return ""
-    return f"in a cell with plane {plane} a base may turn about the plane's normal only."
-
-
-def grasp_leaves(plane: str, R_object_tip: Array, R_base_tip: Array, tip: str) -> str:
-    """The rule that a grasp of a planar cell breaks, every joint at zero; empty if it stays in the plane."""
-    R_base_object = multiply(R_base_tip, R_object_tip.T)
-    if tilt(R_base_object, plane) <= PLANE_TOLERANCE:
-        return ""
-    normal = plane_normal(plane)
-    angle = np.degrees(np.arccos(np.clip((R_base_object @ normal) @ normal, -1, 1)))
-    return (
-        f"the tip frame '{tip}' is tilted by {angle:.4g}° against the object. Choose a grasp rotation that differs "
-        f"from the tip's own only about the plane's normal ({plane})."
-    )

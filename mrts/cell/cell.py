@@ -23,7 +23,7 @@ from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import base_leaves, grasp_leaves, in_one_place
+from mrts.base.rigid_transform import in_one_place
 from mrts.cell.functions import CellFunctions, compiled_functions
 from mrts.cell.generation import (
     described_in_cache,
@@ -34,7 +34,7 @@ from mrts.cell.generation import (
     read_to_generate,
 )
 from mrts.cell.record import CellRecord, read_generated
-from mrts.cell.robot import JOINT_HEAD, Robot
+from mrts.cell.robot import JOINT_HEAD, Robot, check_plane_kept
 from mrts.kernel.cell_library import CellLibrary
 
 OF_CELL = ("name", "plane", "wrench_components", "machines")
@@ -363,16 +363,9 @@ def _check_generated(cell: Cell) -> None:
 
 def _check_placement(cell: Cell) -> None:
     """Check that arms which stand or hold elsewhere than their file says still keep to the rules of the file."""
-    for robot, generated in _changed(cell):
-        where = f"robot '{robot.name}'"
+    for robot, _ in _changed(cell):
         if cell.plane is not None:
-            problem = base_leaves(cell.plane, robot.T_world_base.R)
-            if problem:
-                raise InputError(where, problem, key="base")
-            tip = robot.source.tip_link
-            problem = grasp_leaves(cell.plane, robot.T_object_tip.R, generated.T_base_tip.R, tip)
-            if problem:
-                raise InputError(where, problem, key="grasp")
+            check_plane_kept(robot, cell.plane)
     if any(ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)):
         _check_machines(cell)
 

@@ -14,7 +14,7 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.formats.record import MadeAgain, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 from mrts.base.manifest import MOST
-from mrts.base.rigid_transform import RigidTransform, is_rotation
+from mrts.base.rigid_transform import PLANE_TOLERANCE, RigidTransform, is_rotation, multiply, plane_normal
 from mrts.base.words import interval_text
 from mrts.cell.hands import Contact
 from mrts.cell.motors import JointMotors
@@ -193,6 +193,31 @@ class Robot(MadeAgain):
     def torque_units(self) -> tuple[str, ...]:
         """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
+
+
+def check_plane_kept(robot: Robot, plane: str) -> None:
+    """Check that base, joints and grasp of an arm, every joint at zero, stay in the plane of a planar cell."""
+    normal, where = plane_normal(plane), f"robot '{robot.name}'"
+    if np.max(np.abs(robot.T_world_base.R @ normal - normal)) > PLANE_TOLERANCE:
+        rule = f"in a cell with plane {plane} a base may turn about the plane's normal only."
+        raise InputError(where, rule, key="base")
+    along = np.abs(robot.axes @ normal)
+    leaves = np.where(robot.turns, np.abs(along - 1), along) > PLANE_TOLERANCE
+    if np.any(leaves):
+        joint = robot.joints[int(np.argmax(leaves))]
+        rule = (
+            f"joint '{joint}' leaves the plane {plane}: a revolute axis must be normal to it, a prismatic axis must lie "
+            "in it. Turn the base, or drop 'plane'."
+        )
+        raise InputError(where, rule, key="urdf")
+    turned = multiply(robot.T_base_tip.R, robot.T_object_tip.R.T) @ normal
+    if np.max(np.abs(turned - normal)) > PLANE_TOLERANCE:
+        angle = np.degrees(np.arccos(np.clip(turned @ normal, -1, 1)))
+        rule = (
+            f"the tip frame '{robot.source.tip_link}' is tilted by {angle:.4g}° against the object. Choose a grasp "
+            f"rotation that differs from the tip's own only about the plane's normal ({plane})."
+        )
+        raise InputError(where, rule, key="grasp")
 
 
 def _checked_pose(where: str, key: str, given: RigidTransform) -> RigidTransform:

@@ -51,11 +51,6 @@ class Pose(Record):
     quaternion_xyzw: Quaternion | None = None
 
     @property
-    def rotation_key(self) -> str:
-        """The key that gives its rotation."""
-        return next((key for key in ROTATIONS if getattr(self, key) is not None), "rpy")
-
-    @property
     def transform(self) -> RigidTransform:
         """The frame."""
         return RigidTransform(self.rotation(), np.array(self.xyz, dtype=np.float64))
