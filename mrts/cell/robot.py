@@ -206,8 +206,8 @@ def check_plane_kept(robot: Robot, plane: str) -> None:
     if np.any(leaves):
         joint = robot.joints[int(np.argmax(leaves))]
         rule = (
-            f"joint '{joint}' leaves the plane {plane}: a revolute axis must be normal to it, a prismatic axis must lie "
-            "in it. Turn the base, or drop 'plane'."
+            f"joint '{joint}' leaves the plane {plane}: a revolute axis must be normal to it, a prismatic axis must "
+            "lie in it. Turn the base, or drop 'plane'."
         )
         raise InputError(where, rule, key="urdf")
     turned = multiply(robot.T_base_tip.R, robot.T_object_tip.R.T) @ normal

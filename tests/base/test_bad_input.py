@@ -53,11 +53,8 @@ def run(capsys, files, *options):
     return refused(capsys, "scale", files / "cell.yaml", files / "lift.yaml", *options)
 
 
-NAN = float("nan")
 MISTAKES = [
     ("cell.yaml", "masss", 1, "unknown key 'masss'. The keys here are: name, gravity"),
-    ("cell.yaml", "gravity", [0, NAN, 0], "gravity[1] = nan: must be a finite number"),
-    ("cell.yaml", "object.mass", "heavy", "object.mass = 'heavy': must be a number"),
     ("cell.yaml", "object.mass", 1e-320, "at least 1e-100"),
     ("cell.yaml", "object.inertia", [[1, 2, 0], [2, 1, 0], [0, 0, 1]], "its principal moments are -1, 1, 3"),
     ("cell.yaml", "object.inertia", [1, 1, 3], "triangle inequality"),
@@ -66,14 +63,10 @@ MISTAKES = [
     ("cell.yaml", "robots.0.urdf", "package://no_such_thing/arm.urdf", "robots[0] (left).urdf = 'package://no_such"),
     ("cell.yaml", "robots.0.tip_link", "tool", "tip_link = 'tool': there is no such link"),
     ("cell.yaml", "robots.0.base_link", "contact", "no joint moves between 'contact' and 'contact'"),
-    ("cell.yaml", "robots.0.posture", [0] * 4, "must have 3 values"),
-    ("cell.yaml", "robots.1.torque", {"lower": [1, 1, 1], "upper": [0, 2, 2]}, "limit of shoulder must be below"),
     ("cell.yaml", "robots.0.torque", GONE, "'shoulder': its effort limit is missing or 0"),
-    ("cell.yaml", "robots.0.wrench", {"lower": [2] * 3, "upper": [-2] * 3}, "wrench.lower[0] = 2.0: the lower limit"),
     ("cell.yaml", "robots.0.grasp", {"xyz": [-1.1, 0, 0], "rpy": [0.5, 0, 0]}, "'contact' is tilted by 28.65°"),
     ("cell.yaml", "robots.0.base", {"xyz": [0, 0, 0.2]}, "came no nearer than 0.2 m"),
     ("lift.yaml", "start", [0, 0, 0], "start = [0, 0, 0]: must be a mapping of keys to values, of xyz, rpy, "),
-    ("lift.yaml", "duration", 0, "duration = 0: must be > 1e-09"),
     ("lift.yaml", "end", GONE, "required with 'start'"),
     ("lift.yaml", "end", {"xyz": [1.25, 3.0, 0]}, "robot 'left' cannot reach its grasp at sample 100"),
 ]

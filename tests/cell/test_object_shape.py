@@ -87,24 +87,13 @@ def test_mistakes_in_a_shape(mistake, broken):
         shaped(broken, shape)
 
 
-def surface(cell):
-    return held_body(cell)
-
-
-def volume(vertices, triangles):
-    """Of a closed surface whose triangles run counterclockwise from outside; every side must lie between two."""
-    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    assert np.all(np.unique(sides, axis=0, return_counts=True)[1] == 2)
-    return np.einsum("ti,ti->", vertices[triangles[:, 0]], np.cross(*np.moveaxis(vertices[triangles[:, 1:]], 1, 0))) / 6
-
-
 def test_it_stays_with_the_cell(tmp_path):
     """In a cell file written from it, a generated folder, another process, a saved result, and with more mass."""
     trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
     pose = {"quaternion_wxyz": [0.7071, 0, 0, 0.7071]}
     path = cell_file(tmp_path, described({"mesh": "part.stl", "pose": pose}))
     cell = mrts.load_cell(path)
-    drawn = surface(cell)
+    drawn = held_body(cell)
     cell.to_yaml(tmp_path / "again.yaml")
     written = yaml.safe_load((tmp_path / "again.yaml").read_text(encoding="utf-8"))["object"]["shape"]
     assert written == {"mesh": "part.stl", "pose": {"xyz": [0, 0, 0]} | pose}
@@ -118,7 +107,7 @@ def test_it_stays_with_the_cell(tmp_path):
         mrts.load_result(tmp_path / "result.npz").cell,
         cell.with_mass(2.0),
     ):
-        for ours, theirs in zip(drawn, surface(other), strict=True):
+        for ours, theirs in zip(drawn, held_body(other), strict=True):
             np.testing.assert_allclose(theirs, ours, rtol=0, atol=ROUNDING)
     trimesh.creation.box((0.3, 0.2, 0.2)).export(tmp_path / "part.stl")  # the cache has the old one
     assert mrts.load_cell(path).inertia[0, 0] == pytest.approx(MASS / 12 * (0.09 + 0.04))
