@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 Arrays = dict[str, NDArray[Any]]
 
-INLINE = 16
-"""Numbers of an array that stands in the tree; larger ones stand beside it, under their path, or, in lists, which may
-be long, one after the other in a pool of each kind of number."""
+SMALL = 16
+"""Numbers of an array that stands, as those in lists, which may be long, with others in a pool of its kind of number;
+larger ones stand under their path."""
 
 POOL = "pool."
 """Before the kind of the numbers of a pool."""
@@ -62,9 +62,7 @@ class TreeWriter:
         if first != path:
             return {"same": first}
         if isinstance(value, np.ndarray):
-            if value.size <= INLINE:
-                return {"values": value.tolist(), "dtype": value.dtype.name}
-            if not any(part.isdecimal() for part in path.split(".")):
+            if value.size > SMALL and not any(part.isdecimal() for part in path.split(".")):
                 self._arrays[path] = value
                 return {"array": path}
             number = value.dtype.name
@@ -130,12 +128,13 @@ class TreeReader:
         return value
 
     def _array(self, entry: dict[str, Any]) -> NDArray[Any]:
+        found = self._arrays[entry["array"] if "array" in entry else POOL + entry["pool"]]
+        if found.dtype.kind not in "biuf":
+            raise TypeError(f"{found.dtype} are no numbers")
         if "array" in entry:
-            return self._arrays[entry["array"]]
-        if "pool" in entry:
-            start, shape = entry["start"], entry["shape"]
-            return self._arrays[POOL + entry["pool"]][start : start + prod(shape)].reshape(shape).copy()
-        return np.array(entry["values"], _dtype(entry))
+            return found
+        start, shape = entry["start"], entry["shape"]
+        return found[start : start + prod(shape)].reshape(shape).copy()
 
     def made(self, kind: type, entry: dict[str, Any], path: str) -> Any:
         """A value of a class, made as an unpickled one is."""
@@ -159,13 +158,6 @@ class TreeReader:
         return kinds
 
 
-def _dtype(entry: dict[str, Any]) -> np.dtype[Any]:
-    found: np.dtype[Any] = np.dtype(entry["dtype"])
-    if found.kind not in "biuf":
-        raise TypeError(f"{found} are no numbers")
-    return found
-
-
 def _below(path: str, name: str) -> str:
     return f"{path}.{name}" if path else name
 
@@ -182,7 +174,7 @@ def _fits(kind: Any, entry: Any) -> bool:  # noqa: PLR0911 (one a kind of entry)
     if isinstance(entry, list):
         return origin in {list, tuple, Sequence}
     if isinstance(entry, dict):
-        if {"values", "array", "pool"} & entry.keys():
+        if {"array", "pool"} & entry.keys():
             return origin is np.ndarray
         if "class" in entry:
             return is_dataclass(kind) and entry["class"] in _family(kind)
