@@ -181,7 +181,16 @@ def plan_remarks(result: "ScalingResult") -> tuple[Remark, ...]:
     done = result.trajectory
     if done is None:
         return ()
-    return _unheld(done) + overload_remarks(done) + _fast_rates(result) + _fast_joints(result)
+    remarks = _unheld(done) + overload_remarks(done)
+    if result.options.rates is not None:
+        remarks += _steps_at_ends(result.motion)
+    else:
+        advice = "--rates cell keeps them, at a speed that varies --profile smooth (in Python rates=True)."
+        remarks += _passing(rate_uses(result), "rate-passed", f"Rates are reported only; {advice}")
+    if not result.cell.enforces_velocity_limits:
+        uses = [use for use in result.uses if use.name.kind == "velocity"]
+        remarks += _passing(uses, "velocity-passed", "Velocity limits are not kept, as was asked.")
+    return remarks
 
 
 def _unheld(done: ScaledTrajectory) -> tuple[Remark, ...]:
@@ -205,8 +214,9 @@ def _unheld(done: ScaledTrajectory) -> tuple[Remark, ...]:
 
 
 def overload_remarks(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    """What motors do not bear for ever, and power above theirs."""
-    return _overrated(done) + _above_power(done)
+    """What motors do not bear for ever, and power above theirs: no linear row, as a product of torque and speed."""
+    advice = "Power is reported only: a slower motion takes less."
+    return _overrated(done) + _passing(by_share(power_uses(done)), "above-power", advice)
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
@@ -224,26 +234,6 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
         "less; to play the motion slower saves only what its accelerations take."
     )
     return (Remark("above-rated", text),)
-
-
-def _above_power(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    """Power is a product of torque and speed, so no linear row: the limits are reported against, and not kept."""
-    advice = "Power is reported only: a slower motion takes less."
-    return _passing(by_share(power_uses(done)), "above-power", advice)
-
-
-def _fast_rates(result: "ScalingResult") -> tuple[Remark, ...]:
-    if result.options.rates is not None:
-        return _steps_at_ends(result.motion)
-    advice = "--rates cell keeps them, at a speed that varies --profile smooth (in Python rates=True)."
-    return _passing(rate_uses(result), "rate-passed", f"Rates are reported only; {advice}")
-
-
-def _fast_joints(result: "ScalingResult") -> tuple[Remark, ...]:
-    if result.cell.enforces_velocity_limits:
-        return ()
-    uses = by_share(use for use in result.limit_uses if use.name.kind == "velocity")
-    return _passing(uses, "velocity-passed", "Velocity limits are not kept, as was asked.")
 
 
 def _passing(uses: list[LimitUse], code: str, advice: str) -> tuple[Remark, ...]:
