@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
     from mrts.scene.arm_meshes import Urdfs
     from mrts.scene.renderer import Clip
+    from mrts.timing.result import RetimingResult
     from mrts.viewer.choices import Given
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
@@ -113,7 +114,7 @@ def run(
             raise InputError(wrong[0], rule)
     if not drawn:
         require_extra("mrts view", "view", "viser")
-        source = _played(cell) if saved else _start(cell, motion, given)
+        source = _played(cell)[1] if saved else _start(cell, motion, given)
         return _serve(source, {} if saved else _urdfs(cell), host, port, opens=not no_open)
     from mrts.scene.film import check_film
     from mrts.scene.renderer import require_renderer
@@ -121,7 +122,7 @@ def run(
     if video is not None:
         check_film(video)
     require_renderer()
-    clips, within = [_saved_clip(cell.stem, _played(cell))] if saved else [], True
+    clips, within = [_saved_clip(*_played(cell))] if saved else [], True
     if motion is not None:
         limited, played = _read(cell, motion, given)
         for side in of_films.get("side_by_side", ["fastest"]):
@@ -131,7 +132,8 @@ def run(
     return _write_films(clips, png, video, of_films.get("at"), within=within)
 
 
-def _played(path: Path) -> "ScalingResult":
+def _played(path: Path) -> "tuple[ScalingResult | RetimingResult, ScalingResult]":
+    """A saved result, and what is played of it."""
     from mrts.output.saved_result import load_result
     from mrts.scaling.result import ScalingResult
 
@@ -141,7 +143,7 @@ def _played(path: Path) -> "ScalingResult":
         possible = "what some load admits chooses no c² and no torques"
         why = possible if found.status.admits_motion else found.status.value
         raise InputError(path, f"has no motion to play: {why}.")
-    return result
+    return found, result
 
 
 def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
@@ -162,17 +164,23 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
     return outputs.answer((), FEASIBLE if within else INFEASIBLE)
 
 
-def _saved_clip(name: str, result: "ScalingResult") -> "Clip":
+def _saved_clip(found: "ScalingResult | RetimingResult", result: "ScalingResult") -> "Clip":
     from mrts.plots.card import answer_card
+    from mrts.scaling.limit_use import limited_rates
+    from mrts.scaling.result import ScalingResult
     from mrts.scene.renderer import Clip
 
-    return Clip(name, result.done, answer_card(result))
+    title = f"c² = {result.c2:.4g}"
+    if not isinstance(found, ScalingResult):
+        title = "fastest timing" if found.smooth is None else "smooth timing"
+    return Clip(title, result.done, answer_card(found), rates=limited_rates(result))
 
 
 def _side_clip(
     side: str, cell: "Cell", motion: "ObjectMotion | JointTable", urdfs: "Urdfs", rates: "Rates", given: dict[str, Any]
 ) -> "tuple[Clip, bool]":
     """The motion as it is played in one way, and whether it keeps its limits."""
+    from mrts.scaling.limit_use import limited_rates
     from mrts.scene.renderer import Clip
     from mrts.viewer.player_state import play
 
@@ -189,7 +197,7 @@ def _side_clip(
     else:
         titles = {"fastest": f"constant factor {state.trajectory.c:.3g}", "optimal": "fastest timing"}
         title = titles.get(side, "smooth timing")
-    return Clip(title, state.trajectory, state.card, urdfs), state.admissible
+    return Clip(title, state.trajectory, state.card, urdfs, limited_rates(state.played)), state.admissible
 
 
 def _urdfs(cell: Path) -> "Urdfs":

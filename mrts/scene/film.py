@@ -131,7 +131,7 @@ class Composition:
         self._figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
         canvas: Any = FigureCanvasAgg(self._figure)  # has no types
         self._canvas = canvas
-        shares = [limit_shares(clip.trajectory) for clip in self._clips]
+        shares = [limit_shares(clip.trajectory, clip.rates) for clip in self._clips]
         titles = {of.kind: of.title.lower() for each in shares for of in each}
         colours = {kind: KIND_COLOURS[place % len(KIND_COLOURS)] for place, kind in enumerate(titles)}
         used = max((float(np.max(of.share, initial=0.0)) for each in shares for of in each), default=1.0)

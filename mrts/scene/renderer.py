@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.plots.card import Card
+from mrts.scaling.limit_use import LimitedQuantities
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
@@ -75,12 +76,13 @@ def silent(_text: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion that is played, what is said of it, and URDF and base link of robots that are drawn with meshes."""
+    """A motion that is played, what is said of it, URDF and base link of robots drawn with meshes, and its rates."""
 
     title: str
     trajectory: ScaledTrajectory
     card: Card
     urdfs: Urdfs = field(default_factory=dict)
+    rates: LimitedQuantities | None = None
 
     @cached_property
     def scene(self) -> Scene:

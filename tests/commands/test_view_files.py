@@ -42,5 +42,5 @@ def test_a_saved_result_clips_no_compiler(lifted, monkeypatch, tmp_path):
     fast = str(tmp_path / "fast.npz")
     assert main(["view", fast, "--png", str(tmp_path / "x.png")]) == 0
     (clip,) = asked[0][0]
-    assert clip.title == "fast"
+    assert clip.title == "c² = 3.062"
     np.testing.assert_array_equal(clip.trajectory.torque, lifted.trajectory.torque)
