@@ -28,11 +28,8 @@ MRTS_EXPORT void mrts_lp_batch(long long count, int k, int rows, const double *g
     for (long long n = 0; n < count; ++n) {
         const double *lo = lower + n * (rows + k), *up = upper + n * (rows + k);
         double *d = dual + n * (rows + k);
-        int found = mrts_lp(k, rows, A + n * k * rows, lo, up, g + n * k, basis, x + n * k, y, &entering, work, iwork);
-        if (found == MRTS_STOPPED) {
-            basis[0] = 0;
-            found = mrts_lp(k, rows, A + n * k * rows, lo, up, g + n * k, basis, x + n * k, y, &entering, work, iwork);
-        }
+        const int found =
+            mrts_lp_again(k, rows, A + n * k * rows, lo, up, g + n * k, basis, x + n * k, y, &entering, work, iwork);
         for (int i = 0; i < rows + k; ++i) d[i] = 0;
         for (int j = 0; j < k; ++j) d[mrts_abs(basis[j]) - 1] = -y[j];
         if (entering) d[mrts_abs(entering) - 1] = entering < 0 ? -1 : 1;

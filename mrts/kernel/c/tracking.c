@@ -648,8 +648,8 @@ static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, con
 /* Relative difference of two steps of time that is rounding. */
 #define MRTS_SAME_STEP 1e-9
 
-/* q at a sample from q, q', q'' at those before it, a step h apart each: the polynomial through the last three or two
- * of them. Taylor's of second degree from the last one where there is no more (known = 1), or where the two differ. */
+/* q at a sample from q, q', q'' at those before it, a step h apart each: the polynomial through the last three of them.
+ * Taylor's of second degree from the last one where fewer are known, or where the two differ. */
 static void mrts_predict(const double *q, const double *dq, const double *ddq, double h, long long known,
                          const unsigned char *left_out, double *taylor, double *now) {
     enum { M = MRTS_JOINTS };
@@ -658,15 +658,10 @@ static void mrts_predict(const double *q, const double *dq, const double *ddq, d
         for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) {
             const double b = q[i], b1 = h * dq[i], b2 = h * h * ddq[i];
             now[i] = taylor[i] = left_out[robot] ? b : b + b1 + b2 / 2;
-            if (known < 2 || left_out[robot]) continue;
+            if (known < 3 || left_out[robot]) continue;
             const double a = q[i - M], a1 = h * dq[i - M], a2 = h * h * ddq[i - M];
-            if (known == 2) {
-                now[i] = b + 31 * (b - a) - 16 * b1 - 14 * a1 + 4 * b2 - 2 * a2;
-            } else {
-                const double z = q[i - 2 * M], z1 = h * dq[i - 2 * M], z2 = h * h * ddq[i - 2 * M];
-                now[i] = b + 228.5 * (b - a) - 122.5 * (a - z) - 94.5 * b1 - 54 * a1 + 43.5 * z1 + 13.5 * b2 - 54 * a2 +
-                         4.5 * z2;
-            }
+            const double z = q[i - 2 * M], z1 = h * dq[i - 2 * M], z2 = h * h * ddq[i - 2 * M];
+            now[i] = b + 228.5 * (b - a) - 122.5 * (a - z) - 94.5 * b1 - 54 * a1 + 43.5 * z1 + 13.5 * b2 - 54 * a2 + 4.5 * z2;
             apart = fmax(apart, fabs(now[i] - taylor[i]));
         }
     }

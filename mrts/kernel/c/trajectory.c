@@ -272,7 +272,7 @@ static mrts_lane_mask mrts_kept_torques(mrts_lane_program *program, const int *a
         }
         u[j] = mrts_each(0);
     }
-    mrts_lane_cholesky(count, S, factor);
+    mrts_cholesky_lanes(count, S, factor);
     for (int i = 0; i < F; ++i) program->x[i] = mrts_each(0);
     for (int pass = 0; pass < 3; ++pass) { /* the minimiser on the rows, and two refinements of it */
         mrts_qp_residuals_lanes(F, rows->count, program->H, rows->A, rows->lower, rows->upper, program->g, active, count,
@@ -322,7 +322,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
         for (int lane = 0; lane < MRTS_LANES; ++lane) speed[lane] = c2[samples.inputs.at[lane] * c2_stride];
         mrts_torque_program_lanes(K, M, N, limits, &W, speed, widening, &samples.form, &samples.rows, program.H, program.g,
                                   samples.column, weighted, t, F_all);
-        mrts_lane_cholesky(F, program.H, program.L);
+        mrts_cholesky_lanes(F, program.H, program.L);
         kept = active_count < 0 ? none : mrts_kept_torques(&program, active, active_count) & samples.finite;
         const int here = count - first < MRTS_LANES ? (int)(count - first) : MRTS_LANES;
         for (int lane = 0; lane < here; ++lane) {

@@ -54,7 +54,7 @@ static void mrts_bound_again(const mrts_rows_lanes *rows, const mrts_wrenches_be
             for (int l = 0; l < F; ++l) G[j * m + other] += a[l] * (known->scale[l] * known->scale[l]) * b[l];
         }
     }
-    mrts_lane_cholesky(m, G, G);
+    mrts_cholesky_lanes(m, G, G);
     for (int pass = 0; pass < 2; ++pass) {
         for (int j = 0; j < m; ++j) {
             const int row = mrts_abs(known->active[j]) - 1;

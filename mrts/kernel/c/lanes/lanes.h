@@ -102,21 +102,6 @@ static inline void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *bo
     for (int i = 0; i < count; ++i) mrts_sine_cosine(angle[i], both + 2 * i);
 }
 
-/* H = L L', (k, k), on the diagonal the reciprocals; what is not definite gives no numbers. H and L may be the same. */
-static inline void mrts_lane_cholesky(int k, const mrts_lanes *H, mrts_lanes *L) {
-    for (int j = 0; j < k; ++j) {
-        for (int i = j; i < k; ++i) {
-            mrts_lanes sum = H[i * k + j];
-            for (int l = 0; l < j; ++l) sum -= L[i * k + l] * L[j * k + l];
-            if (i == j) {
-                L[j * k + j] = 1 / mrts_roots(sum);
-            } else {
-                L[i * k + j] = sum * L[j * k + j];
-            }
-        }
-    }
-}
-
 /* b of L b = b, and of L' b = b. */
 static inline void mrts_lane_forward(int k, const mrts_lanes *L, mrts_lanes *b) {
     for (int i = 0; i < k; ++i) {
