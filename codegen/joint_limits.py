@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.pose import Finite
-from mrts.base.formats.record import Record, Rule, checked
+from mrts.base.formats.record import Rule, checked, checked_fields
 from mrts.base.input_file import text_of
 from mrts.base.remark import Remark
 from mrts.base.words import first_names
@@ -27,26 +27,11 @@ WRAPPERS = ("/**", "ros__parameters", "robot_description_planning")
 """Keys that files of ROS parameters put around those of MoveIt."""
 
 
-class MoveItLimits(Record):
-    """An entry of MoveIt's joint_limits.yaml; `has_…: false` says that there is no such limit."""
+KINDS: dict[str, Any] = {f"has_{of}_limits": bool for of in QUANTITIES}
+KINDS |= {f"max_{of}": Finite | None for of in QUANTITIES}
+"""Of the keys of an entry; `has_…: false` says that there is no such limit."""
 
-    has_velocity_limits: bool = True
-    max_velocity: Finite | None = None
-    has_acceleration_limits: bool = True
-    max_acceleration: Finite | None = None
-    has_jerk_limits: bool = True
-    max_jerk: Finite | None = None
-
-    def problem(self) -> str:
-        """The rule that its limits break; empty if none."""
-        wrong = [of for of in QUANTITIES if self.limit(of) <= 0]
-        return f"'max_{wrong[0]}' must be > 0 unless 'has_{wrong[0]}_limits' is false" if wrong else ""
-
-    def limit(self, quantity: str) -> float:
-        """Infinity where it says that there is none, NaN where it says nothing."""
-        most: float | None = getattr(self, f"max_{quantity}")
-        return np.inf if not getattr(self, f"has_{quantity}_limits") else np.nan if most is None else most
-
+DEFAULTS = {name: True if name.startswith("has_") else None for name in KINDS}
 
 Share = Rule(gt=0, le=1)
 
@@ -89,15 +74,14 @@ def add_joint_limits(
         if not isinstance(given, dict):
             rule = "must be a mapping, such as {has_velocity_limits: true, max_velocity: 2.0}."
             raise InputError(file, rule, key=f"joint_limits.{name}", value=given)
-        passed |= {other: name for other in given if other not in MoveItLimits.model_fields}
+        passed |= {other: name for other in given if other not in KINDS}
         try:
-            read[name] = checked(MoveItLimits, {of: given[of] for of in MoveItLimits.model_fields if of in given})
+            read[name] = _limits({key: given[key] for key in KINDS if key in given})
         except InputError as error:
             raise error.inside(file, f"joint_limits.{name}") from None
     factors = {of: _factor(file, data, of) for of in QUANTITIES[:2]}
     velocity, acceleration, jerk = (
-        np.array([read[j].limit(of) if j in read else np.nan for j in joints]) * factors.get(of, 1.0)
-        for of in QUANTITIES
+        np.array([read[j][of] if j in read else np.nan for j in joints]) * factors.get(of, 1.0) for of in QUANTITIES
     )
     most = np.where(np.isnan(acceleration), np.inf, acceleration)
     if not np.isnan(jerk).all():
@@ -110,6 +94,17 @@ def add_joint_limits(
         "source": replace(values["source"], velocity=None, joint_limits=(text, hashlib.sha256(content).hexdigest())),
     }
     return _remarks(robot, key, file.name, factors, passed)
+
+
+def _limits(entry: dict[str, Any]) -> dict[str, float]:
+    """Of each quantity, infinity where it says that there is none, NaN where it says nothing."""
+    given, limits = checked_fields(KINDS, DEFAULTS, entry), {}
+    for of in QUANTITIES:
+        most = given[f"max_{of}"]
+        limits[of] = np.inf if not given[f"has_{of}_limits"] else np.nan if most is None else most
+        if limits[of] <= 0:
+            raise InputError("", f"'max_{of}' must be > 0 unless 'has_{of}_limits' is false.")
+    return limits
 
 
 def _factor(file: Path, data: dict[str, Any], quantity: str) -> float:
