@@ -66,19 +66,7 @@ typedef MRTS_REAL mrts_real;
 /* A row that is coded with its side, without the side. */
 static inline int mrts_abs(int code) { return code < 0 ? -code : code; }
 
-/* The larger of two numbers: gcc finds the instruction that a Cortex-M7 has for it only by this name. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__ARM_ARCH_7EM__) && (__ARM_FP & 8)
-#define MRTS_HAS_MAXNM
-#endif
-static inline mrts_real mrts_larger(mrts_real a, mrts_real b) {
-#ifndef MRTS_HAS_MAXNM
-    return a > b ? a : b;
-#elif defined(MRTS_SINGLE)
-    return fmaxf(a, b);
-#else
-    return fmax(a, b);
-#endif
-}
+static inline mrts_real mrts_larger(mrts_real a, mrts_real b) { return a > b ? a : b; }
 
 static inline mrts_real mrts_dot(int k, const mrts_real *a, const mrts_real *b) {
     mrts_real sum = 0;

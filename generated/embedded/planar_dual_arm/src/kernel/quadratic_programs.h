@@ -15,25 +15,15 @@
 
 /* Cholesky factor of H and the inverse of its transpose, upper triangular, by columns in J; 0 if H is not definite. */
 static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J) {
-    for (int j = 0; j < k; ++j) {
-        for (int i = j; i < k; ++i) {
-            mrts_real sum = H[i * k + j];
-            for (int l = 0; l < j; ++l) sum -= L[i * k + l] * L[j * k + l];
-            if (i == j) {
-                if (!(sum > 0)) return 0;
-                L[j * k + j] = MRTS_SQRT(sum);
-            } else {
-                L[i * k + j] = sum / L[j * k + j];
-            }
-        }
-    }
+    mrts_cholesky(k, H, L);
     for (int j = 0; j < k; ++j) { /* column j of L^-T, stored as J[j * k + i] */
+        if (!(L[j * k + j] < MRTS_INFINITY)) return 0;
         for (int i = 0; i < k; ++i) J[j * k + i] = 0;
-        J[j * k + j] = 1 / L[j * k + j];
+        J[j * k + j] = L[j * k + j];
         for (int i = j - 1; i >= 0; --i) {
             mrts_real sum = 0;
             for (int l = i + 1; l <= j; ++l) sum += L[l * k + i] * J[j * k + l];
-            J[j * k + i] = -sum / L[i * k + i];
+            J[j * k + i] = -sum * L[i * k + i];
         }
     }
     return 1;
