@@ -24,7 +24,6 @@ examples:
 @options.between
 @options.limits
 @option("--show", type=IntRange(0), default=10, show_default=True, metavar="N", help="rows to print")
-@option("--clearance", is_flag=True, help="a column: how near bodies come to each other")
 @options.solver
 @options.json
 def run(

@@ -14,7 +14,6 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
-from mrts.collisions.clearance import Clearance, CollisionModel
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.following.tracking import OUT_OF_REACH, TrackedVariants, TrackingFailure, branches_at_start, follow_from
 from mrts.limits.rows import row_labels
@@ -52,12 +51,10 @@ class Configuration:
     Attributes:
         branches: In the order of the cell's robots.
         range: The admissible range of c².
-        clearance: How near bodies come to each other; None where that was not asked.
     """
 
     branches: tuple[Branch, ...]
     range: ScalingRange
-    clearance: Clearance | None = None
 
     @property
     def c2_upper(self) -> float:
@@ -90,13 +87,11 @@ class ConfigurationStudy(JsonOutput):
         lost = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
         left_out = f"; branches left out: {lost}" if lost else ""
         yield f"{len(self.ranked)} configurations reach the end, by falling c²⁺{left_out}:"
-        table = [("rank", *self.branches, "c²⁺", "clearance", "limited at")]
+        table = [("rank", *self.branches, "c²⁺", "limited at")]
         for rank, one in enumerate(self.ranked[:rows], start=1):
             c2 = f"{one.c2_upper:#.4g}" if np.isfinite(one.c2_upper) else "-"
             numbers = [str(branch.number) for branch in one.branches]
-            table.append((str(rank), *numbers, c2, _near(one.clearance), outcome(one)))
-        if not any(one.clearance for one in self.ranked):
-            table = [(*row[:-2], row[-1]) for row in table]
+            table.append((str(rank), *numbers, c2, outcome(one)))
         yield from aligned(table)
         yield ""
         yield "branches at t = 0 (rad, m; a line is a `posture` for the cell file):"
@@ -115,7 +110,6 @@ class ConfigurationStudy(JsonOutput):
                 "postures": one.postures(),
                 **one.range.to_json(),
                 "outcome": outcome(one),
-                "clearance": one.clearance and one.clearance.to_json(),
             }
             for one in self.ranked
         ]
@@ -129,12 +123,6 @@ class ConfigurationStudy(JsonOutput):
         return {"combinations": len(self.ranked), "ranked": ranked, "branches": branches}
 
 
-def _near(clearance: Clearance | None) -> str:
-    if clearance is None or clearance.pair is None:
-        return "-"
-    return "collides" if clearance.collides else f"{1e3 * clearance.distance:.3g} mm"
-
-
 def rank_configurations(
     cell: Cell,
     motion: ObjectMotion,
@@ -142,7 +130,6 @@ def rank_configurations(
     sharing: LoadSharing | None = None,
     solver: str = DEFAULT_SOLVER,
     between: float | None = BETWEEN,
-    clearance: bool = False,
     progress: Progress = lambda _done, _total: None,
 ) -> ConfigurationStudy:
     """Evaluate every combination of inverse-kinematics branches.
@@ -157,28 +144,25 @@ def rank_configurations(
         sharing: A fixed distribution of the load; None leaves it free.
         solver: Name in the registry.
         between: As in `mrts.scale`.
-        clearance: Whether to find how near bodies come to each other in each, as `mrts.clearance`.
         progress: Told how many of how many evaluations are done.
 
     Raises:
-        InputError: If an arm has too few joints, or of `mrts.clearance`.
+        InputError: If an arm has too few joints.
         MotionError: If the object leaves the plane of a planar cell.
     """
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion)
     check_callable("progress", progress)
-    check_type("clearance", clearance, bool)
     options = Options(sharing=sharing, solver=solver, between=between).checked(cell)
     check_motion(cell, motion)
     starts = [branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
     tracks, branches = _follow(cell, motion, starts)
     good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
     combinations = int(np.prod([len(of_robot) for of_robot in good]))
-    bodies = CollisionModel(cell) if clearance else None
     ranked = []
     for number, choice in enumerate(product(*good)):
         progress(number, combinations)
-        ranked.append(_evaluate(cell, motion, tracks, choice, options, bodies))
+        ranked.append(_evaluate(cell, motion, tracks, choice, options))
     progress(combinations, combinations)
     return ConfigurationStudy(branches, tuple(sorted(ranked, key=lambda one: -one.c2_upper)))
 
@@ -207,12 +191,7 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Trac
 
 
 def _evaluate(
-    cell: Cell,
-    motion: ObjectMotion,
-    tracks: TrackedVariants,
-    choice: tuple[Branch, ...],
-    options: Options,
-    bodies: CollisionModel | None,
+    cell: Cell, motion: ObjectMotion, tracks: TrackedVariants, choice: tuple[Branch, ...], options: Options
 ) -> Configuration:
     places = [(branch.number - 1, joints) for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)]
     q, dq, ddq = (
@@ -220,8 +199,7 @@ def _evaluate(
         for values in (tracks.q, tracks.dq, tracks.ddq)
     )
     whole = CoordinatedMotion(motion, q, dq, ddq)
-    near = None if bodies is None else bodies.clearance(whole)
-    return Configuration(choice, admissible_range(cell, whole, options)[0].range, near)
+    return Configuration(choice, admissible_range(cell, whole, options)[0].range)
 
 
 def outcome(configuration: Configuration) -> str:

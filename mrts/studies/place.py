@@ -401,7 +401,11 @@ class LayoutSearch:
         return rounded
 
     def _scaled(
-        self, keys: dict[str, Any], values: Array, postures: dict[str, list[float]] | None
+        self,
+        keys: dict[str, Any],
+        values: Array,
+        postures: dict[str, list[float]] | None,
+        between: float | None = None,
     ) -> PlayedLayout | None:
         asked = self.study.question
         try:
@@ -410,7 +414,9 @@ class LayoutSearch:
             if parted:
                 rule = "robots '{}' and '{}' are arms of one machine: their bases move together. Let one parameter "
                 raise MotionError(f"{rule}move both.".format(*min(parted)))
-            result = _with_trajectory(scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=None))
+            result = scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=between)
+            if result.trajectory is None:
+                raise MotionError(f"{result.status.value}: {result.explanation()}")
         except MrtsError as error:
             self.failures.append(str(error))
             return None
@@ -504,19 +510,7 @@ class LayoutSearch:
 
     def played(self, layout: PlayedLayout) -> PlayedLayout | None:
         """A layout between the samples too; None if it cannot be played there."""
-        cell, load = layout.result.cell, self.study.question.load
-        try:
-            result = _with_trajectory(scale(cell, self.motion, load=load, between=self.between))
-        except MrtsError as error:
-            self.failures.append(str(error))
-            return None
-        return replace(layout, result=result)
-
-
-def _with_trajectory(result: ScalingResult) -> ScalingResult:
-    if result.trajectory is None:
-        raise MotionError(f"{result.status.value}: {result.explanation()}")
-    return result
+        return self._scaled(layout.keys, layout.values, layout.postures, self.between)
 
 
 def layout_bounds(study: Study) -> tuple[Array, Array]:

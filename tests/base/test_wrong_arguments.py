@@ -90,7 +90,7 @@ def good(planar_cell):
         "least_reserve": {"solve": lambda reserve: mrts.scale(planar_cell, motion, reserve=reserve)}
         | {"controller": None, "errors": None, "progress": lambda _done, _total: None},
         "load_result": {"path": "good.npz", "cell": planar_cell},
-        "rank_configurations": search | with_solver | {"clearance": False},
+        "rank_configurations": search | with_solver,
         "place": {"study": study, "starts": 1, "looked_at": 2, "between": None}
         | {"progress": lambda _done, _total: None},
         "read_study": {"path": UR5 / "study.yaml"},

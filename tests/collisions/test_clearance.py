@@ -200,7 +200,7 @@ def test_without_coal_it_is_said_that_nothing_was_looked_at(monkeypatch):
     assert error.value.where == "collisions"
 
 
-def test_configurations_and_studies_have_it_as_a_column(tmp_path):
+def test_studies_have_it_as_a_column(tmp_path):
     given = described([box("shelf", [0.6, 0.4, 0.002], [0, 0.2, 0.5])])
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
     vary = {"surroundings[0].pose.xyz[2]": [0.5, -0.5]}
@@ -210,7 +210,3 @@ def test_configurations_and_studies_have_it_as_a_column(tmp_path):
     columns = solve_variants(study, 0, 2)
     assert columns["clearance"][0] < 0 < columns["clearance"][1]
     assert columns["c2_upper"][0] == columns["c2_upper"][1]
-    motion = lifting(samples=11)
-    ranked = mrts.rank_configurations(mrts.load_cell(tmp_path / "cell.yaml"), motion, clearance=True, between=None)
-    assert all(one.clearance.collides for one in ranked.ranked)
-    assert any("collides" in line for line in ranked.lines(1))
