@@ -115,10 +115,9 @@ def _tell_arms(request: "Request") -> None:
     for arm in request.arms:  # two of a kind are told under the name of the first
         alike.setdefault((arm.urdf, arm.robot.source.tip_link), []).append(arm)
     for (urdf, tip), arms in alike.items():
-        chain, why = arms[0].robot, arms[0].why
+        chain = arms[0].robot
         names = " and ".join(arm.robot.name for arm in arms)
-        proposed = f" (proposed: {why})" if why else ""
-        say(f"{names}: {urdf}, {chain.source.base_link} to {tip}{proposed}", "strong")
+        say(f"{names}: {urdf}, {chain.source.base_link} to {tip}", "strong")
         for line in joint_table([chain]):
             say(line)
         for remark in joint_assumptions([chain]):

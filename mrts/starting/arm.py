@@ -50,7 +50,6 @@ class Arm:
         com: Centre of mass of what each joint carries, base frame with every joint at zero, Shape (n, 3) [m].
         path: Of the URDF.
         urdf: How a cell file names it.
-        why: Why its tip was chosen, to stand behind the name; empty where the user chose it.
         base: Of its base link in the world, where that is given.
     """
 
@@ -58,7 +57,6 @@ class Arm:
     com: Array
     path: Path
     urdf: str = ""
-    why: str = ""
     base: RigidTransform | None = None
 
     @cached_property

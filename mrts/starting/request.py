@@ -104,7 +104,6 @@ class _Chosen:
     path: Path
     tree: Urdf
     tip: str
-    why: str
 
 
 def request_of(
@@ -159,7 +158,6 @@ def request_of(
                 com,
                 path=one.path.absolute(),
                 urdf=one.reference if is_uri(one.reference) else named_in(folder, one.path),
-                why=one.why,
                 base=bases[one.robot] @ T_root_base if bases else in_place,
             )
         )
@@ -197,7 +195,7 @@ def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
         if len(places) != len(tips):
             rule = f"give it once for each --robot, in their order: {len(read)} times, or not at all."
             raise InputError(TIP, rule, value=list(tips))
-        found = [_Chosen(at, robots[at], *read[at], tip, "") for at, tip in zip(places, tips, strict=True)]
+        found = [_Chosen(at, robots[at], *read[at], tip) for at, tip in zip(places, tips, strict=True)]
         for arm in found:
             if arm.tip not in arm.tree.links:
                 rule = f"there is no such link in {arm.path.name}; its links are {', '.join(arm.tree.links)}."
@@ -216,7 +214,7 @@ def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
                 seems = f"seems to have {len(seen)} hands" if seen else "does not say which link holds the object"
                 rule = f"{seems}: choose with --tip, once an arm. There are {', '.join(movable)}."
                 raise InputError(robots[at], rule)
-            found += [_Chosen(at, robots[at], *read[at], tip, seen[tip]) for tip in sorted(seen, key=side_of)]
+            found += [_Chosen(at, robots[at], *read[at], tip) for tip in sorted(seen, key=side_of)]
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
 

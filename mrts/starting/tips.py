@@ -57,8 +57,8 @@ def first_link(tree: Urdf, tips: Sequence[str]) -> str:
     return first
 
 
-def hands(tree: Urdf) -> dict[str, str]:
-    """The links that seem to be hands, one an arm, with why each is proposed; none where a URDF says nothing."""
+def hands(tree: Urdf) -> list[str]:
+    """The links that seem to be hands, one an arm: by their names, or else where chains end or part."""
     candidates = _candidates(tree)
     named = [(link, rank) for link in candidates if (rank := _rank(link)) is not None]
     if not named:
@@ -70,20 +70,18 @@ def hands(tree: Urdf) -> dict[str, str]:
         best = min(rank for link, rank in named if link in limb)
         chosen = (link for link, rank in named if link in limb and rank == best)
         found.append(max(chosen, key=lambda link: len(tree.joints_to(link))))
-    return dict.fromkeys(found, "named as a hand or tool") or _ends(tree)
+    return found or _ends(tree)
 
 
-def _ends(tree: Urdf) -> dict[str, str]:
+def _ends(tree: Urdf) -> list[str]:
     above = {joint.parent for joint in tree.joints.values()}
     ends = [link for link in _candidates(tree) if link not in above]
     if not ends:  # a URDF whose only end has the name of a finger
         ends = [link for link in tree.links if link not in above and len(moved_by(tree, link)) >= FEWEST_JOINTS]
-    found = {}
+    found = []
     for limb in _limbs(tree, ends):
         chains = [tree.joints_to(link) for link in limb]
-        shared = [joint for joint in chains[0] if all(joint in chain for chain in chains)]
-        why = "the only link at the end of the chain" if len(limb) == 1 else "the last link before the chain parts"
-        found[shared[-1].child] = why
+        found.append([joint for joint in chains[0] if all(joint in chain for chain in chains)][-1].child)
     return found
 
 

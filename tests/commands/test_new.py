@@ -24,7 +24,7 @@ def begun(dual_ur5, tmp_path_factory):
 
 def test_what_it_tells_is_enough_to_go_on(begun):
     folder, done = begun
-    assert "left and right: ../my arm.urdf, base_link to tool0 (proposed: named as a hand or tool)" in done.stdout
+    assert "left and right: ../my arm.urdf, base_link to tool0" in done.stdout
     assert re.search(
         r"shoulder_pan\s+revolute\s+\[-\d+, \d+\] N m\s+\[-6\.283, 6\.283\] rad\s+[\d.]+ rad/s", done.stdout
     )
