@@ -98,8 +98,8 @@ def good(planar_cell):
         "retime": search | plan | smooth,
         "save_result": {"result": result, "path": "saved.npz"},
         "scale": search | with_solver | plan | {"select": "auto", "formulation": "wrench", "rates": False},
-        "sweep": {"study": study, "folder": "swept", "workers": 1, "scheduler": None, "top": 0}
-        | {"progress": lambda _progress: None},
+        "sweep": {"study": study, "folder": "swept", "workers": 1, "scheduler": None}
+        | {"progress": lambda _done, _total: None},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html", "stops": None},
         "write_plot": {"plot": range_plot(result), "path": "figure.png"},

@@ -64,7 +64,10 @@ class FileReference:
 
 def named_in(folder: Path, file: Path) -> str:
     """How a file in a folder names another: from there, or by its whole path where that is far away."""
-    near = Path(os.path.relpath(file.absolute(), folder.resolve()))
+    try:
+        near = Path(os.path.relpath(file.absolute(), folder.resolve()))
+    except ValueError:  # no path at all, which writing refuses
+        return str(file)
     return near.as_posix() if near.parts.count("..") <= MOST_STEPS_UP else file.absolute().as_posix()
 
 
