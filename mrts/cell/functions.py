@@ -14,7 +14,7 @@ from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.c_text import IN_LANES, SELDOM, cell_source, function_source, motion_source
 from mrts.kernel.cell_library import CellLibrary
-from mrts.kernel.compiler import find_compiler, library_or_rebuilt
+from mrts.kernel.compiler import compiled_library
 
 MAKE_AGAIN = "Make C file and manifest again: `mrts generate`."
 
@@ -102,7 +102,7 @@ def _bound(manifest: CellManifest, origin: str | dict[str, Any] | Path) -> CellL
         return _compiled(manifest, origin)
     if isinstance(origin, dict):  # a library of following alone is compiled in a tenth of the time
         text = motion_source(manifest, emitted(origin))
-        return library_or_rebuilt(find_compiler(), "motion", text, partial(CellLibrary, manifest, motion_only=True))
+        return compiled_library("motion", text, partial(CellLibrary, manifest, motion_only=True))
     raise InputError(
         origin,
         f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: read "
@@ -115,11 +115,11 @@ def _compiled(manifest: CellManifest, generated: str) -> CellLibrary:
     @cache
     def seldom(name: str) -> CDLL:
         symbol = manifest.functions[name].symbol
-        library = library_or_rebuilt(find_compiler(), symbol, function_source(generated, symbol), _opened)
+        library = compiled_library(symbol, function_source(generated, symbol), _opened)
         return _checked(manifest, library, [name])
 
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
-    library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest, seldom=seldom))
+    library = compiled_library(name, text, partial(CellLibrary, manifest, seldom=seldom))
     _checked(manifest, library.opened, manifest.functions.keys() - {*SELDOM})
     return library
 

@@ -117,36 +117,28 @@ def _run(arguments: list[str]) -> tuple[int, str]:
     return process.returncode, errors or output
 
 
-def library_or_rebuilt(
-    command: tuple[str, ...], name: str, source: str, open_library: Callable[[Path], Library]
-) -> Library:
-    """Open the library of a C text from the cache, compiled where it is missing or damaged.
+def compiled_library(name: str, source: str, open_library: Callable[[Path], Library]) -> Library:
+    """The library of a C text, opened from the cache, or compiled where it is missing or cannot be opened.
 
     Args:
-        command: Compiler, from `find_compiler`.
         name: Of its files, an identifier.
         source: The C text.
         open_library: Raises OSError where the file cannot be opened, AttributeError where it lacks a function.
 
     Raises:
-        CompilerError: If the compiler fails, or makes what cannot be opened.
+        CompilerError: If there is no compiler, or it fails, or makes what cannot be opened.
     """
-    for rebuild in (False, True):
+    command = find_compiler()
+    text = "\0".join((source, *command, *flags())).encode()
+    library = cache_folder("lib", hashlib.sha256(text).hexdigest()) / f"{name}.so"
+    for missing in (not only_ours(library), True):
+        if missing:
+            write_text_atomically(library.with_suffix(".c"), source, private=True)
+            compile_library(command, library.with_suffix(".c"), library)
         try:
-            return open_library(library_in_cache(command, name, source, rebuild=rebuild))
+            return open_library(library)
         except (OSError, AttributeError) as error:
             problem = error
     raise CompilerError(
         f"what compiler {' '.join(command)} made of {name} cannot be loaded: {problem}. Set CC to a working one."
     )
-
-
-def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuild: bool = False) -> Path:
-    """Shared library of a C text, compiled unless the cache holds it, or if it is to be rebuilt."""
-    text = "\0".join((source, *command, *flags())).encode()
-    library = cache_folder("lib", hashlib.sha256(text).hexdigest()) / f"{name}.so"
-    if rebuild or not only_ours(library):
-        file = library.with_suffix(".c")
-        write_text_atomically(file, source, private=True)
-        compile_library(command, file, library)
-    return library

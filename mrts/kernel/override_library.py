@@ -10,12 +10,12 @@ import numpy as np
 from mrts.base.manifest import LOAD_ENTRIES, Manifest
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import CALLS, OVERRIDE, override_source
-from mrts.kernel.compiler import find_compiler, library_or_rebuilt
+from mrts.kernel.compiler import compiled_library
 
 
 def override_library(manifest: Manifest, generated: str) -> ctypes.CDLL:
     """The functions of override_calls.c for a cell, compiled unless the cache holds them."""
-    return library_or_rebuilt(find_compiler(), "override", override_source(manifest, generated), _bound)
+    return compiled_library("override", override_source(manifest, generated), _bound)
 
 
 def _bound(path: Path) -> ctypes.CDLL:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY, bind, work_arrays
 from mrts.kernel.c_text import PROGRAM_FILES, programs_source
-from mrts.kernel.compiler import find_compiler, library_or_rebuilt
+from mrts.kernel.compiler import compiled_library
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of projections.c."""
@@ -191,5 +191,4 @@ def default_programs() -> Programs:
 
 @lru_cache(maxsize=1)
 def _programs_alone() -> Programs:
-    command, source = find_compiler(), programs_source()
-    return library_or_rebuilt(command, "mrts_programs", source, lambda library: Programs(ctypes.CDLL(str(library))))
+    return compiled_library("mrts_programs", programs_source(), lambda library: Programs(ctypes.CDLL(str(library))))

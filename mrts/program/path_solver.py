@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY, bind, interruptible, structure
 from mrts.kernel.c_text import SMOOTH, smooth_source
-from mrts.kernel.compiler import find_compiler, library_or_rebuilt
+from mrts.kernel.compiler import compiled_library
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
 DURATIONS = 100.0
@@ -215,6 +215,4 @@ def _arrays(program: SmoothProgram) -> dict[str, int | NDArray[Any]]:
 
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
-    return library_or_rebuilt(
-        find_compiler(), "mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), (SMOOTH,))
-    )
+    return compiled_library("mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), (SMOOTH,)))

@@ -8,6 +8,7 @@ import contextlib
 import io
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -139,17 +140,8 @@ def kernel(programs: ConvexPrograms) -> Found:
     return x, dual[:, :rows], dual[:, rows:]
 
 
-def qpoases(programs: ConvexPrograms) -> Found:
-    """QpOASES by CasADi's `qpsol`."""
-    return _qpsol("qpoases", {"printLevel": "none", "error_on_fail": False}, programs)
-
-
-def daqp(programs: ConvexPrograms) -> Found:
-    """DAQP by CasADi's `qpsol`, of quadratic programs alone."""
-    return _qpsol("daqp", {"error_on_fail": False}, programs)
-
-
-def _qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Found:
+def qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Found:
+    """A solver of CasADi's `qpsol`."""
     import casadi as ca  # noqa: PLC0415 (not needed otherwise)
 
     count, rows, unknowns = programs.A.shape
@@ -174,18 +166,19 @@ def _qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Fo
         # one failure fails the whole map, and qpOASES does not recover from it: each sample gets a new solver
         if count == 1:
             return np.zeros((1, unknowns)), np.zeros((1, rows)), np.zeros((1, unknowns))
-        alone = [_qpsol(plugin, options, programs.at(np.arange(count) == sample)) for sample in range(count)]
+        alone = [qpsol(plugin, options, programs.at(np.arange(count) == sample)) for sample in range(count)]
         x, row_dual, bound_dual = (np.concatenate(part) for part in zip(*alone, strict=True))
         return x, row_dual, bound_dual
     return solved["x"].full().T, solved["lam_a"].full().T, solved["lam_x"].full().T
 
 
-SOLVERS: dict[str, Callable[[ConvexPrograms], Found]] = {
-    "kernel": kernel,
-    "qpsol:qpoases": qpoases,
-}
+Solver = Callable[[ConvexPrograms], Found]
+QPOASES: Solver = partial(qpsol, "qpoases", {"printLevel": "none", "error_on_fail": False})
+DAQP: Solver = partial(qpsol, "daqp", {"error_on_fail": False})
 
-FALLBACKS = (qpoases, daqp)
+SOLVERS: dict[str, Solver] = {"kernel": kernel, "qpsol:qpoases": QPOASES}
+
+FALLBACKS = (QPOASES, DAQP)
 """Asked in this order for what the chosen solver does not get right. DAQP is no choice by itself: it gets the quadratic
 programs that qpOASES leaves."""
 

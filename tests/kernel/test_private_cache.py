@@ -12,7 +12,7 @@ from conftest import DATA
 
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.cache_folder import only_ours
-from mrts.kernel.compiler import find_compiler, library_in_cache
+from mrts.kernel.compiler import compiled_library
 
 pytestmark = pytest.mark.quick
 
@@ -45,7 +45,7 @@ def test_all_in_the_cache_is_the_users_only(tmp_path, monkeypatch):
     before = os.umask(0)
     try:
         generated_in_cache(tmp_path / "cell" / "cell.yaml")
-        library_in_cache(find_compiler(), "answer", ANSWER)
+        compiled_library("answer", ANSWER, Path)
     finally:
         os.umask(before)
     found = [tmp_path / "new" / "cache", *(tmp_path / "new" / "cache").rglob("*")]
@@ -83,7 +83,7 @@ def test_a_folder_in_the_cache_that_others_can_write_is_not_used(tmp_path):
 @pytest.mark.parametrize("file", ["answer.so", "answer.so by link"])
 def test_a_library_that_others_could_have_written_is_compiled_again(file, tmp_path, monkeypatch):
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
-    library = library_in_cache(find_compiler(), "answer", ANSWER)
+    library = compiled_library("answer", ANSWER, Path)
     before = library.read_bytes()
     planted = before + b"planted"
     if "link" in file:
@@ -94,7 +94,7 @@ def test_a_library_that_others_could_have_written_is_compiled_again(file, tmp_pa
         library.write_bytes(planted)
         library.chmod(0o666)
     assert not only_ours(library)
-    again = library_in_cache(find_compiler(), "answer", ANSWER)
+    again = compiled_library("answer", ANSWER, Path)
     assert again == library
     assert only_ours(again)
     assert again.read_bytes() == before
