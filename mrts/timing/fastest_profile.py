@@ -289,9 +289,7 @@ def fastest_profile(
     return SpeedProfile(regions, x, lower, upper, rise)
 
 
-def rising_profile(
-    found: SpeedProfile, step: Array, ends: tuple[float, float], times: Array | None = None
-) -> SpeedProfile:
+def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) -> SpeedProfile:
     """A profile that is faster than another, as s̈ rises on its segments as it did from one to the next.
 
     A constant s̈ that keeps the limits of both ends of a segment is the lesser of theirs: where the largest s̈ changes
@@ -301,9 +299,8 @@ def rising_profile(
 
     Args:
         step: Length of each segment, Shape (n - 1,).
-        times: Durations of the segments with that profile, Shape (n - 1,) [s], where they are known.
     """
-    times, rise = segment_times(step, found.x, found.rise) if times is None else times, _rises(step, found.x)
+    times, rise = segment_times(step, found.x, found.rise), _rises(step, found.x)
     lasts = float(np.sum(times))
     lost = times * np.abs(rise) * step / (found.x[1:] + found.x[:-1])
     if SUMMED * len(step) * float(np.sum(lost)) < WORTH * lasts:

@@ -131,7 +131,7 @@ class _Search:
         unusual = self._unusual(timed, regions.bound)
         if unusual is not None:
             return unusual
-        faster = rising_profile(found, step, self.ends, timed.segment_times)
+        faster = rising_profile(found, step, self.ends)
         return timed if faster is found else fastest_piece(self.piece, faster)
 
     def _problems(self, samples: NDArray[np.intp] | None = None) -> Iterator[SampleProblem]:

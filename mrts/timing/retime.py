@@ -117,7 +117,8 @@ def retime(
     fastest = refined_timing(first, partial(fastest_timing, asked), options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         unrated = replace(asked, options=replace(options, rates=None)).factor
-        return _smooth(SmoothQuestion(fastest, unrated, goal, KernelSolver()), progress)
+        heaviest = int(np.argmax([load[0] for load in fastest.loads]))
+        return _smooth(SmoothQuestion(fastest, unrated, goal, KernelSolver(), [heaviest]), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
     told = interpolated(given, fastest.duration / first.duration - 1, "the timing {} longer")

@@ -2,7 +2,7 @@
 """The best timing of a path within limits of torques and of how fast they change, with nodes at its samples."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,12 +62,7 @@ class SmoothQuestion:
     constant: ScalingResult
     goal: Goal
     solver: KernelSolver
-    corners: list[int] = field(init=False)
-
-    def __post_init__(self) -> None:
-        loads = self.bare.loads
-        heaviest = max(range(len(loads)), key=lambda place: 0.0 if loads[place] is None else float(loads[place][0]))
-        object.__setattr__(self, "corners", [heaviest])
+    corners: list[int]
 
     @property
     def rates(self) -> RateLimits:

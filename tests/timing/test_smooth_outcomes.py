@@ -1,6 +1,7 @@
 """Smooth timings: limits put to the test by other code, what is least, every outcome by its name, what is told."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -166,7 +167,7 @@ def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
 def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
     (part,) = smooth.pieces
     segment, share, x, u = part.between()
-    problem = build_sample_problem(motion_rows(planar_cell, part.piece.fine.at(part.piece.inside)), varying=True)
+    problem = build_sample_problem(motion_rows(planar_cell, part.fine.at(part.inside)), varying=True)
     plan = part.plan[segment] * (1 - share[:, None]) + part.plan[segment + 1] * share[:, None]
     values = np.einsum("nrk,nk->nr", problem.A, np.column_stack([plan, u, x]))
     excess = np.max(np.maximum(values - problem.upper, problem.lower - values))
@@ -238,9 +239,12 @@ def test_corners_of_a_box_that_do_not_bind_are_kept_without_their_limits(monkeyp
     monkeypatch.setattr(smooth_timing, "successive_steps", counted)
     some = mrts.retime(cell, lift, rates=RATES, sharing=sharing)
     most = max(asked)
-    all_corners = property(lambda question: [*range(len(question.bare.loads))])
-    monkeypatch.setattr(smooth_timing.SmoothQuestion, "__post_init__", lambda _question: None)
-    monkeypatch.setattr(smooth_timing.SmoothQuestion, "corners", all_corners, raising=False)
+    first = smooth_timing.smooth_timing
+
+    def with_all(question, *rest):
+        return first(replace(question, corners=[*range(len(question.bare.loads))]), *rest)
+
+    monkeypatch.setattr("mrts.timing.retime.smooth_timing", with_all)
     asked.clear()
     every = mrts.retime(cell, lift, rates=RATES, sharing=sharing)
     assert len(some.loads) == len(every.loads) == 4
