@@ -70,7 +70,7 @@ quick: install  ## run one test of each kind, in about a minute
 test: install  ## run the tests, each on small motions and few seeds
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m "not slow"
 
-test-slow: install  ## run the others: many seeds, sanitizers, cross-compilation, browsers, recipes, rivals
+test-slow: install  ## run the others: many seeds, sanitizers, cross-compilation, browsers, rivals
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m slow
 
 fuzz: install  ## read CASES damaged input files, from SEED on; look between the samples of 50 motions; draw more cells, loads and variants

@@ -20,7 +20,7 @@ from mrts.base.printable import message_text
 from mrts.base.regular_file import FILES_READ
 from mrts.base.version import __version__
 from mrts.commands.console.answer import BAD_INPUT
-from mrts.commands.console.signals import EndedBySignal, persistent_interrupt
+from mrts.commands.console.signals import persistent_interrupt
 from mrts.commands.console.terminal import (
     DEBUG,
     QUIET,
@@ -155,7 +155,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         fail(f"error: {place}the system says: {error.strerror or error}.")
         return BAD_INPUT
     except KeyboardInterrupt as error:
-        number = error.number if isinstance(error, EndedBySignal) else signal.SIGINT
+        number = error.args[0] if error.args else signal.SIGINT
         fail(ENDINGS[signal.Signals(number)])
         return SIGNALLED + number
     except (Exception, SystemExit) as error:  # noqa: BLE001 (told as a defect)

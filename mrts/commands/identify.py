@@ -32,7 +32,6 @@ def run(
     cell: Path,
     recording: Path,
     output: Path,
-    plot_format: str,
     plot: Path | None = None,
     **given: Any,
 ) -> int:
@@ -53,6 +52,6 @@ def run(
     if plot is not None:
         from mrts.plots import motor_plot, write_plots
 
-        outputs.write(plot, lambda folder: write_plots([*map(motor_plot, found.arms)], folder, plot_format))
+        outputs.write(plot, lambda folder: write_plots([*map(motor_plot, found.arms)], folder))
     lines = [f"{compiled.name}: {found.sentence()}", *map(str, found.remarks), f"\n{found.to_yaml()}"]
     return outputs.answer(lines, INFEASIBLE if found.empty else FEASIBLE)

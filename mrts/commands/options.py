@@ -316,19 +316,9 @@ limits = together(
 
 
 def plot(what: str) -> Decorator:
-    """The options of a command that plots."""
-    folder, form = Written(folder=True, needs=("matplotlib",), extra="plot"), click.Choice(FIGURE_FORMATS)
-    return together(
-        option("--plot", type=folder, is_eager=True, metavar="DIR", help=f"write {what} (needs the extra 'plot')"),
-        option("--plot-format", type=form, default=FIGURE_FORMATS[0], show_default=True, callback=_of_plot,
-               help="of --plot"),
-    )  # fmt: skip
-
-
-def _of_plot(ctx: click.Context, _param: click.Parameter, form: str) -> str:
-    if ctx.get_parameter_source("plot_format") is ParameterSource.COMMANDLINE and ctx.params.get("plot") is None:
-        raise InputError("plot_format", "says how --plot writes figures: give --plot DIR too.", value=form)
-    return form
+    """The option of a command that plots."""
+    folder = Written(folder=True, needs=("matplotlib",), extra="plot")
+    return option("--plot", type=folder, metavar="DIR", help=f"write {what} (needs the extra 'plot')")
 
 
 def compiled_cell(

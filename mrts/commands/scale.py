@@ -19,7 +19,6 @@ from mrts.commands.options import HTML, Written, take
 from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 
 if TYPE_CHECKING:
-    from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
@@ -34,7 +33,7 @@ examples:
   mrts scale cell.yaml motion.yaml --profile optimal --plot plots
   mrts scale cell.yaml motion.yaml --profile smooth --rates 11.5 --csv smooth.csv
   mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
-  mrts scale cell.yaml motion.yaml --load guaranteed --carry mass=1.5,izz=0.8
+  mrts scale cell.yaml motion.yaml --load guaranteed
   mrts scale cell.yaml motion.yaml --what-if --report report.html
   mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
 
@@ -42,8 +41,6 @@ PROFILES = ("constant", "optimal", "smooth")
 
 STYLES: dict[str, Style] = {"free": "plain", "near": "note", "reached": "bad"}
 """Of the limits that are told, by how near they are."""
-
-SELECTIONS = ("nominal", "c2")
 
 PLANS = ("csv", "ros_bag")
 """Arguments that name files of the trajectory at the chosen speed."""
@@ -55,8 +52,8 @@ FILES = ("save", *PLANS, "plot", "report")
 @options.command(EXAMPLES)
 @options.cell
 @options.motion
-@option("--nominal", is_flag=True, help="play as given, c² = 1 (default: as fast as the limits allow)")
-@option("--c2", type=float, metavar="VALUE", help="play at this c²")
+@option("--c2", "select", type=float, metavar="VALUE",
+        help="play at this c²; 1 is as given (default: as fast as the limits allow)")  # fmt: skip
 @option("--profile", type=Choice(PROFILES), default="constant", show_default=True,
         help="one factor of speed, the fastest timing r(t), or a smooth one, the fastest whose torques and "
         "accelerations change at limited rates")  # fmt: skip
@@ -71,9 +68,6 @@ FILES = ("save", *PLANS, "plot", "report")
 @option("--load", metavar="QUESTION",
         help="of a load that varies: guaranteed (for every load; the default if the cell gives object.variation), "
         "possible (for some load), grid:N (for N masses), or nominal")  # fmt: skip
-@option("--carry", metavar="KEY=VALUE,…",
-        help="torques for this load of the box, factors as mass=1.5,izz=0.8, or mass=3kg (default: "
-        "nominal)")  # fmt: skip
 @option("--distribute", type=Choice(DISTRIBUTIONS),
         help="of redundant torques: the least ones, or those that keep most of every limit in reserve (default: "
         "least-torque; of the smooth profile reserve)")  # fmt: skip
@@ -106,8 +100,6 @@ def run(
     cell: Path,
     motion: Path,
     profile: str,
-    plot_format: str,
-    carry: str | None = None,
     json: Path | None = None,
     rate: float | None = None,
     *,
@@ -120,7 +112,7 @@ def run(
     from mrts.motion.motion_file import load_motion
     from mrts.plots.card import answer_card
     from mrts.scaling.result import ScalingResult, fallbacks_text
-    from mrts.scaling.scale import SelectionError, torques_for_load
+    from mrts.scaling.scale import SelectionError
 
     _check(profile, given | ({"what_if": True} if what_if else {}))
     files = take(given, FILES)
@@ -133,18 +125,13 @@ def run(
     limited = options.compiled_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
-    load = _known_load(limited, carry, given.get("load"))
-    solver = take(dict(given), ("solver",))
-    write = partial(_write_file, merged=merged, plot_format=plot_format)
+    write = partial(_write_file, merged=merged)
     try:
         search = _searched(limited, motion_given, profile, given) if automatic else None
         found = (search and search.found) or _solved(limited, motion_given, profile, given)
-        if load is not None:
-            found = _replaced(found, lambda played: torques_for_load(played, load, **solver))
         if what_if:
             with working("changing the cell") as progress:
-                changes = found.what_if(progress=progress)
-            found = _replaced(replace(found, changes=changes), lambda played: replace(played, changes=changes))
+                found = replace(found, changes=found.what_if(progress=progress))
     except SelectionError as error:
         if error.result is not None:
             outputs = Outputs(error.result, json)
@@ -188,14 +175,11 @@ def _check(profile: str, given: dict[str, Any]) -> None:
     module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
     solve = getattr(import_module(f"mrts.{module}.{name}"), name)
     known = {*signature(solve).parameters, *FILES, *options.LIMITS, "smooth"}
-    known |= {*SELECTIONS} if profile == "constant" else set()
     known |= {"what_if"} if profile != "smooth" else set()
     known -= {"rates"} if profile == "optimal" else set()
     for name in given:
         if name not in known:
             raise InputError(name, f"does not go with --profile {profile}.")
-    if {*SELECTIONS} <= given.keys():
-        raise InputError("c2", "does not go with --nominal.")
     if "what_if" in given and given.get("load") == "possible":
         raise InputError("what_if", "goes with --load guaranteed, not with what is possible with some load.")
     if "weights" in given and "sharing" in given and profile != "smooth":
@@ -208,8 +192,6 @@ def _solved(
     from mrts.scaling.scale import scale
 
     if profile == "constant":
-        for name, value in take(given, SELECTIONS).items():
-            given["select"] = value if name == "c2" else name
         with working(f"scaling {cell.name}") as progress:
             return scale(cell, motion, **given, progress=progress)
     from mrts.timing.retime import retime
@@ -226,40 +208,6 @@ def _searched(
     from mrts.simulation.simulate import least_reserve
 
     return least_reserve(lambda reserve: _solved(cell.with_reserve(reserve), motion, profile, dict(given)))
-
-
-def _replaced(
-    found: "ScalingResult | RetimingResult", change: "Callable[[ScalingResult], ScalingResult]"
-) -> "ScalingResult | RetimingResult":
-    """The same with a change of what is played, if something is: a result with torques, or that of a timing."""
-    from mrts.scaling.result import ScalingResult
-
-    if not isinstance(found, ScalingResult):
-        return found if found.retimed is None else replace(found, retimed=change(found.retimed))
-    return found if found.trajectory is None else change(found)
-
-
-def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array | None":
-    """The load of the box that KEY=NUMBER, … name; a mass in kg too."""
-    if text is None:
-        return None
-    if cell.load_box is None:
-        raise InputError("carry", "picks a load of the box, but the cell gives no object.variation.", value=text)
-    if question == "possible":
-        raise InputError("carry", "what is possible chooses no c², so there are no torques.", value=text)
-    found: dict[str, float] = {}
-    for part in text.split(","):
-        name, number = (word.strip() for word in part.partition("=")[::2])
-        if name in found:
-            raise InputError("carry", f"gives {name} twice.", value=text)
-        try:
-            found[name] = float(number.removesuffix("kg") if name == "mass" else number)
-        except ValueError:
-            rule = "must be KEY=NUMBER, such as mass=1.5,izz=0.8 or mass=3kg."
-            raise InputError("carry", rule, value=text) from None
-        if name == "mass" and number.endswith("kg"):
-            found[name] = float(f"{found[name] / cell.load_box.mass:.12g}")  # an end of a range stays one
-    return cell.load_box.load_at(found)
 
 
 def _write(
@@ -286,7 +234,6 @@ def _write_file(
     path: Path,
     *,
     merged: bool,
-    plot_format: str,
 ) -> None:
     if name == "save":
         from mrts.output.saved_result import save_result
@@ -303,7 +250,7 @@ def _write_file(
     elif name == "plot":
         from mrts.plots import result_plots, write_plots
 
-        write_plots(result_plots(found), path, plot_format)
+        write_plots(result_plots(found), path)
     else:
         from mrts.report import write_report
 

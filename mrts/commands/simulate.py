@@ -14,7 +14,6 @@ from mrts.commands.console.terminal import working
 from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:
-    from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
     from mrts.scaling.result import ScalingResult
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -24,7 +23,6 @@ EXAMPLES = """\
 examples:
   mrts simulate cell.yaml result.npz
   mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
-  mrts simulate cell.yaml result.npz --override random:1
   mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest"""
 
 
@@ -35,9 +33,8 @@ examples:
           "them")  # fmt: skip
 @option("--set", "given", multiple=True, metavar="KEY=VALUE",
         help="a number of the controller or of the cell's errors; once for each (docs/simulate.md)")  # fmt: skip
-@option("--override", metavar="FILE|random:SEED",
-        help="play it at the speeds that a CSV table of t and speed wants, or at random ones "
-        "(docs/override.md)")  # fmt: skip
+@option("--override", type=Named(".csv"), metavar="FILE",
+        help="play it at the speeds that a CSV table of t and speed wants (docs/override.md)")  # fmt: skip
 @options.rates
 @option("--trials", type=int, metavar="N", help="play it again so often with drawn errors (default: 0)")
 @option("--seed", type=int, metavar="N", help="of the drawn errors and of noise (default: 0)")
@@ -49,10 +46,9 @@ examples:
 def run(
     cell: Path,
     plan: Path,
-    plot_format: str,
     given: tuple[str, ...] = (),
     *,
-    override: str | None = None,
+    override: Path | None = None,
     json: Path | None = None,
     plot: Path | None = None,
     report: Path | None = None,
@@ -60,6 +56,7 @@ def run(
     **draw: Any,
 ) -> int:
     """Does a plan keep its limits when a controller plays it on a cell that is not quite the plan's?"""
+    from mrts.override.speed_override import read_wishes
     from mrts.simulation.controller import Controller, PlantErrors, with_settings
     from mrts.simulation.simulate import simulate
 
@@ -69,14 +66,14 @@ def run(
     with working(f"reading {plan}"):
         planned = _plan(compiled, plan)
     if override is not None:
-        draw["override"] = _wishes(override, planned)
+        draw["override"] = read_wishes(override)
     with working(f"simulating {compiled.name}") as progress:
         found = simulate(planned, controller, errors, progress=progress, **draw)
     outputs = Outputs(found, json)
     if plot is not None:
         from mrts.plots import simulation_plot, write_plots
 
-        outputs.write(plot, lambda folder: write_plots([simulation_plot(found)], folder, plot_format))
+        outputs.write(plot, lambda folder: write_plots([simulation_plot(found)], folder))
     if report is not None:
         from mrts.report import write_report
 
@@ -89,17 +86,6 @@ def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledT
     from mrts.simulation.plan_file import load_plan
 
     return load_result(path, cell) if path.suffix.lower() == ".npz" else load_plan(cell, path)
-
-
-def _wishes(given: str, planned: "ScalingResult | RetimingResult | ScaledTrajectory") -> "Array":
-    from mrts.override.speed_override import random_wishes, read_wishes
-
-    word, sign, seed = given.partition(":")
-    if (word, sign) != ("random", ":"):
-        return read_wishes(given)
-    if not seed.isdecimal():
-        raise InputError("override", "must be random:SEED with a whole number, or a CSV table.", value=given)
-    return random_wishes(int(seed), planned.duration or 1.0)
 
 
 def _setting(text: str) -> tuple[str, Any]:

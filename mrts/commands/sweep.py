@@ -37,7 +37,6 @@ examples:
 @options.plot("figures")
 def run(
     study: Path,
-    plot_format: str,
     output: Path,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -62,7 +61,7 @@ def run(
         from mrts.plots import durations_plot, numbers_plot, read_study_table, write_plots
 
         table = read_study_table(folder.path)
-        outputs.write(plot, lambda to: write_plots([durations_plot(table), numbers_plot(table)], to, plot_format))
+        outputs.write(plot, lambda to: write_plots([durations_plot(table), numbers_plot(table)], to))
     return outputs.answer(answer, FEASIBLE if counts["feasible"] + counts["unbounded"] else INFEASIBLE)
 
 

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from click import argument, option
+from click import IntRange, argument, option
 
 from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
@@ -24,11 +24,10 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.rate_limits import Rates
-    from mrts.scaling.result import ScalingResult
     from mrts.scene.arm_meshes import Urdfs
     from mrts.scene.renderer import Clip
-    from mrts.timing.result import RetimingResult
     from mrts.viewer.choices import Given
+    from mrts.viewer.player_state import PlayerState
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
 
@@ -80,7 +79,7 @@ def _sides(text: str) -> list[str]:
         "fastest); --rates are of the smooth side")  # fmt: skip
 @options.rates
 @option("--host", default=LOCAL[0], show_default=True, help="address to listen at; the default is this machine only")
-@option("--port", type=int, default=8080, show_default=True, help="port; 0 takes any free one")
+@option("--port", type=IntRange(0, 65535), default=8080, show_default=True, help="port; 0 takes any free one")
 @option("--no-open", is_flag=True, help="do not open a browser")
 def run(
     cell: Path,
@@ -114,17 +113,26 @@ def run(
             raise InputError(wrong[0], rule)
     if not drawn:
         require_extra("mrts view", "view", "viser")
-        source = _played(cell)[1] if saved else _start(cell, motion, given)
+        source = _saved(cell) if saved else _start(cell, motion, given)
         return _serve(source, {} if saved else _urdfs(cell), host, port, opens=not no_open)
+    from mrts.motion.motion_file import load_motion
+    from mrts.scaling.limit_use import limited_rates
     from mrts.scene.film import check_film
-    from mrts.scene.renderer import require_renderer
+    from mrts.scene.renderer import Clip, require_renderer
 
     if video is not None:
         check_film(video)
     require_renderer()
-    clips, within = [_saved_clip(*_played(cell))] if saved else [], True
-    if motion is not None:
-        limited, played = _read(cell, motion, given)
+    clips, within = [], True
+    if saved:
+        state, title = _saved(cell), "smooth timing"
+        if state.timing is None:
+            title = f"c² = {state.trajectory.c2:.4g}"
+        elif state.timing.smooth is None:
+            title = "fastest timing"
+        clips.append(Clip(title, state.trajectory, state.card, rates=limited_rates(state.result)))
+    elif motion is not None:
+        played, limited = load_motion(motion), options.compiled_cell(cell, **take(given, options.LIMITS))
         for side in of_films.get("side_by_side", ["fastest"]):
             clip, keeps = _side_clip(side, limited, played, _urdfs(cell), of_films.get("rates", True), given)
             clips.append(clip)
@@ -132,10 +140,10 @@ def run(
     return _write_films(clips, png, video, of_films.get("at"), within=within)
 
 
-def _played(path: Path) -> "tuple[ScalingResult | RetimingResult, ScalingResult]":
-    """A saved result, and what is played of it."""
+def _saved(path: Path) -> "PlayerState":
     from mrts.output.saved_result import load_result
     from mrts.scaling.result import ScalingResult
+    from mrts.viewer.player_state import PlayerState
 
     found = load_result(path)
     result = found if isinstance(found, ScalingResult) else found.retimed
@@ -143,7 +151,7 @@ def _played(path: Path) -> "tuple[ScalingResult | RetimingResult, ScalingResult]
         possible = "what some load admits chooses no c² and no torques"
         why = possible if found.status.admits_motion else found.status.value
         raise InputError(path, f"has no motion to play: {why}.")
-    return found, result
+    return PlayerState.saved(result, None if isinstance(found, ScalingResult) else found)
 
 
 def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
@@ -162,18 +170,6 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
         with working(f"drawing {video}") as progress:
             outputs.write(video, lambda file: write_film(clips, file, warn=warn, progress=progress))
     return outputs.answer((), FEASIBLE if within else INFEASIBLE)
-
-
-def _saved_clip(found: "ScalingResult | RetimingResult", result: "ScalingResult") -> "Clip":
-    from mrts.plots.card import answer_card
-    from mrts.scaling.limit_use import limited_rates
-    from mrts.scaling.result import ScalingResult
-    from mrts.scene.renderer import Clip
-
-    title = f"c² = {result.c2:.4g}"
-    if not isinstance(found, ScalingResult):
-        title = "fastest timing" if found.smooth is None else "smooth timing"
-    return Clip(title, result.done, answer_card(found), rates=limited_rates(result))
 
 
 def _side_clip(
@@ -208,13 +204,6 @@ def _urdfs(cell: Path) -> "Urdfs":
     return {} if is_folder(cell) or cell.name == MANIFEST_NAME else urdf_files(cell)
 
 
-def _read(cell: Path, motion: Path, given: dict[str, Any]) -> "tuple[Cell, ObjectMotion | JointTable]":
-    from mrts.motion.motion_file import load_motion
-
-    played = load_motion(motion)
-    return options.compiled_cell(cell, **take(given, options.LIMITS)), played
-
-
 def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
     from mrts.viewer.choices import Given
 
@@ -224,40 +213,38 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
 
         alone = cell_to_compile(cell) or options.compiled_cell(cell)
         return Given(cell=alone, motion=still_motion(alone), stands=True)
-    from mrts.motion.motion_file import described_motion
+    from mrts.motion.motion_file import described_motion, load_motion
 
-    limited, played = _read(cell, motion, given)
+    played, limited = load_motion(motion), options.compiled_cell(cell, **take(given, options.LIMITS))
     return Given(limited, played, described_motion(motion), given)
 
 
-def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:
-    from mrts.scaling.result import ScalingResult
+def _serve(source: "Given | PlayerState", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:
     from mrts.viewer.player_state import HeldPoses, PlayerState
     from mrts.viewer.server import close_server, open_server
     from mrts.viewer.viewer import Viewer
     from mrts.viewer.workbench import Workbench
 
-    name, code = source.cell.name, FEASIBLE
+    name = source.result.cell.name if isinstance(source, PlayerState) else source.cell.name
     server = open_server(host, port, f"mrts: {name}")
     try:
         bench: PlayerState | Workbench
-        if isinstance(source, ScalingResult):
-            bench, outcome = PlayerState.saved(source), source.summary()
+        if isinstance(source, PlayerState):
+            bench = source
         else:
             with working("looking at the cell" if source.stands else f"scaling {name}") as progress:
                 bench = Workbench(source, progress)
-            first = bench.answer
-            if source.stands and isinstance(first.shown, HeldPoses):
-                outcome = "no motion was given, the cell stands at its posture"
-                feasible = bool(first.shown.reached.all())
-            else:
-                outcome = first.message if first.state is None else first.state.result.summary()
-                feasible = first.state is not None and first.state.result.status.admits_motion
-            code = FEASIBLE if feasible else INFEASIBLE
-        _follow(server, Viewer(server, bench, urdfs, warn), f"{name}: {outcome}", host, opens=opens)
+        viewer = Viewer(server, bench, urdfs, warn)
+        first = viewer.shown
+        if isinstance(first, HeldPoses):
+            outcome = first.message or "no motion was given, the cell stands at its posture"
+            feasible = not first.message and bool(first.reached.all())
+        else:
+            outcome, feasible = first.result.summary(), first.result.status.admits_motion
+        _follow(server, viewer, f"{name}: {outcome}", host, opens=opens)
     finally:
         close_server(server)
-    return code
+    return FEASIBLE if feasible else INFEASIBLE
 
 
 def _follow(server: "GuardedServer", viewer: "Viewer", outcome: str, host: str, *, opens: bool) -> None:

@@ -127,16 +127,13 @@ def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.in
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.where(lengths > 0, lengths, 1.0)
-    beside: dict[tuple[int, int], list[int]] = {}
-    for index, (a, b, c) in enumerate(triangles.tolist()):
-        for one, other in ((a, b), (b, c), (c, a)):
-            beside.setdefault((min(one, other), max(one, other)), []).append(index)
-    bent = [
-        side
-        for side, around in beside.items()
-        if len(around) != 2 or normals[around[0]] @ normals[around[1]] < np.cos(FLAT)  # noqa: PLR2004 (both sides)
-    ]
-    return np.array(bent, dtype=np.int64).reshape(-1, 2)
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    found, side, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    total = np.zeros((len(found), 3))
+    np.add.at(total, side.ravel(), np.repeat(normals, 3, axis=0))
+    flat = (count == 2) & (np.sum(total**2, axis=1) >= 2 + 2 * np.cos(FLAT))  # noqa: PLR2004 (the normals of both sides)
+    bent: NDArray[np.int64] = found[~flat]
+    return bent
 
 
 def _cylinder(radius: float, length: float) -> tuple[Array, NDArray[np.int64]]:

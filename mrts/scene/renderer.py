@@ -28,6 +28,7 @@ from mrts.scene.scene import (
     SURROUNDINGS,
     Rgb,
     Scene,
+    blended,
     rgba,
     round_down,
     wxyz,
@@ -160,16 +161,16 @@ class SceneRenderer:
 
     def picture(self, time: float) -> Frame:
         """A picture of a moment of the played time [s]."""
-        moment = self._clip.scene.moment(self._clip.scene.place(time))
-        self._move("object", moment.rotation, moment.position)
-        for number, (R, p) in enumerate(moment.bodies):
-            for index in range(len(R)):
-                self._move(f"{number}/{index}", R[index], p[index])
+        scene, place = self._clip.scene, self._clip.scene.place(time)
+        self._move("object", blended(scene.rotation, place), blended(scene.position, place))
+        for number, (R, p) in enumerate(scene.bodies):
+            for index, (turn, at) in enumerate(zip(blended(R, place), blended(p, place), strict=True)):
+                self._move(f"{number}/{index}", turn, at)
         self._mujoco.mj_kinematics(self._model, self._data)
         self._mujoco.mj_camlight(self._model, self._data)
         self._renderer.update_scene(self._data, camera="camera")
         self._add_path()
-        self._add_forces(*moment.contacts[:2])
+        self._add_forces(*(blended(each, place) for each in scene.contacts[:2]))
         drawn: Frame = self._renderer.render()
         return drawn
 

@@ -139,30 +139,6 @@ class Scene:
         """Where a time [s] is among the samples, or between two; before the start and after the end at it."""
         return float(np.interp(time, self.time, np.arange(len(self.time))))
 
-    def moment(self, place: float) -> "Moment":
-        """Where everything is at a sample, or between two of them.
-
-        Every point of a body is then on the line between where it is at both, so that hands stay at their grasps.
-        """
-        return Moment(
-            position=blended(self.position, place),
-            rotation=blended(self.rotation, place),
-            bodies=tuple((blended(R, place), blended(p, place)) for R, p in self.bodies),
-            lines=tuple(blended(line, place) for line in self.lines),
-            contacts=tuple(blended(each, place) for each in self.contacts),
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Moment:
-    """A scene at one moment, as its attributes; between samples rotations are so only to the square of the step."""
-
-    position: Array
-    rotation: Array
-    bodies: tuple[tuple[Array, Array], ...]
-    lines: tuple[Array, ...]
-    contacts: tuple[Array, ...]
-
 
 def arm_line(robot: Robot, R: Array, p: Array) -> Array:
     """Base, a point on each joint axis, and tip of an arm, Shape (N, n_i + 2, 3) [m], with bodies of `body_poses`."""
@@ -178,7 +154,11 @@ def wxyz(R: Array) -> Array:
 
 
 def blended(values: Array, place: float) -> Array:
-    """Values of all samples, Shape (k, …), at one of them, or linear between two."""
+    """Values of all samples, Shape (k, …), at one of them, or linear between two.
+
+    Every point of a body is then on the line between where it is at both, so that hands stay at their grasps; rotations
+    are so only to the square of the step.
+    """
     first = min(int(place), len(values) - 1)
     share = place - first
     here: Array = values[first]

@@ -9,11 +9,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.formats.pose import Pose
-from mrts.base.rigid_transform import (
-    RigidTransform,
-    rotations_from_vectors,
-    vectors_from_rotations,
-)
+from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors
 from mrts.base.yaml_text import flow
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import CellChange, Changed, machine_of, with_machine_at
@@ -87,26 +83,27 @@ class Choices:
     Attributes:
         mass: Of the object [kg]; None is the given one.
         limits: Share of a given limit by its name, both sides alike.
-        poses: Of places that were moved.
+        offsets: Of places that were moved, from where they were given: shift [m], turn as a vector [rad], Shape (6,).
         torque_rate: Of the smooth profile, for joints whose rate is not known [1/s].
     """
 
     mass: float | None = None
     limits: Mapping[Changed, float] = field(default_factory=dict)
-    poses: Mapping[Place, RigidTransform] = field(default_factory=dict)
+    offsets: Mapping[Place, Array] = field(default_factory=dict)
     profile: Profile = "constant"
     torque_rate: float = TORQUE_RATE
 
-    def cell(self, cell: Cell) -> Cell:
-        """A given cell as it was chosen.
+    def cell(self, given: Given) -> Cell:
+        """The cell as it was chosen.
 
         Raises:
             InputError: If a number breaks a rule of the cell.
         """
+        cell = given.cell
         for (kind, robot, element), share in self.limits.items():
             cell = CellChange(kind=kind, robot=robot, element=element, step=share - 1).applied(cell)
         values: dict[str, object] = {} if self.mass is None else {"object.mass": self.mass}
-        for place, pose in self.poses.items():
+        for place, pose in self.poses(given).items():
             if place.kind == "base":
                 cell = with_machine_at(cell, place.robot, pose)
             elif place.kind == "grasp":
@@ -126,7 +123,7 @@ class Choices:
         """The description of the motion as it was chosen; None of a table."""
         described = given.description
         moved: dict[str, Any] = {
-            place.kind: Pose(**pose_keys(pose)) for place, pose in self.poses.items() if not place.robot
+            place.kind: Pose(**pose_keys(pose)) for place, pose in self.poses(given).items() if not place.robot
         }
         if described is None or not moved:
             return described
@@ -141,9 +138,21 @@ class Choices:
         others = {key: value for key, value in self.limits.items() if key != name}
         return replace(self, limits=others if share == 1 else others | {name: share})
 
-    def with_pose(self, place: Place, pose: RigidTransform) -> "Choices":
-        """With a place elsewhere, of a base with all of its machine; positions are rounded."""
-        return replace(self, poses={**self.poses, place: RigidTransform(pose.R, np.round(pose.p, DECIMALS))})
+    def with_offset(self, place: Place, offset: Array) -> "Choices":
+        """With a place elsewhere, of a base with all of its machine."""
+        return replace(self, offsets={**self.offsets, place: offset})
+
+    def offset(self, place: Place) -> Array:
+        """How far a place is from where it was given, Shape (6,)."""
+        return self.offsets.get(place, np.zeros(6))
+
+    def poses(self, given: Given) -> dict[Place, RigidTransform]:
+        """Of places that were moved; positions are rounded."""
+        moved = {}
+        for place, offset in self.offsets.items():
+            start, turn = place.given(given), rotations_from_vectors(offset[None, 3:])[0]
+            moved[place] = RigidTransform(turn @ start.R, np.round(start.p + offset[:3], DECIMALS))
+        return moved
 
 
 def free_axes(cell: Cell) -> tuple[str, str]:
@@ -153,19 +162,9 @@ def free_axes(cell: Cell) -> tuple[str, str]:
     return cell.plane, "".join(sorted({*"xyz"} - {*cell.plane}))
 
 
-def offset_of(pose: RigidTransform, given: RigidTransform) -> tuple[Array, Array]:
-    """How far a pose is from the given one: the shift [m] and the turn as a vector [rad], each Shape (3,)."""
-    return pose.p - given.p, vectors_from_rotations((pose.R @ given.R.T)[None])[0]
-
-
-def moved_by(given: RigidTransform, shift: Array, turn: Array) -> RigidTransform:
-    """The opposite of `offset_of`."""
-    return RigidTransform(rotations_from_vectors(turn[None])[0] @ given.R, given.p + shift)
-
-
 def changed_keys(given: Given, choices: Choices) -> list[str]:
     """What was changed: keys of the cell file as of `Cell.with_values`, and of the motion file, with their values."""
-    before, after = cell_keys(given.cell), cell_keys(choices.cell(given.cell))
+    before, after = cell_keys(given.cell), cell_keys(choices.cell(given))
     parts = [("object", before["object"], after["object"])]
     parts += [(f"robots.{new['name']}", old, new) for old, new in zip(before["robots"], after["robots"], strict=True)]
     lines = [
@@ -179,5 +178,5 @@ def changed_keys(given: Given, choices: Choices) -> list[str]:
         for (kind, robot, element), share in choices.limits.items()
         if kind == "contact"
     ]
-    ends = {place.kind: flow(pose_keys(pose)) for place, pose in choices.poses.items() if not place.robot}
+    ends = {place.kind: flow(pose_keys(pose)) for place, pose in choices.poses(given).items() if not place.robot}
     return [*lines, *(f"{end}: {pose}" for end, pose in ends.items())]

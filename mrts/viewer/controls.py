@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""Controls of the panel that change choices, or how the scene looks; needs the extra 'view'."""
+"""Controls of the panel that change choices, the time, or how the scene looks; needs the extra 'view'."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from math import degrees, radians
+from math import floor, log10, radians
 from typing import Any
 
 import numpy as np
 import viser
 
-from mrts.base.arrays import Array
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_change import Changed, limit_places
-from mrts.viewer.choices import Choices, Place, changed_keys, free_axes, moved_by, offset_of, places
+from mrts.scene.scene import PACES, suited_pace
+from mrts.viewer.choices import Choices, Place, changed_keys, free_axes, places
 from mrts.viewer.panel import keys_html
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.workbench import Workbench
@@ -34,6 +33,8 @@ FASTEST_RATE = 50.0
 """Largest torque rate on offer, a multiple of the torque limit per second [1/s]."""
 
 NOWHERE = "nothing"
+
+PACE_NAMED = {name: pace for pace, name in PACES.items()}
 
 Later = Callable[[Callable[[], None]], None]
 """Takes work for the thread that follows the controls."""
@@ -195,31 +196,23 @@ class ChangeControls:
         along, about = free_axes(self._given.cell)
         for axis in along:
             slider = self._gui.add_slider(f"along {axis} [mm]", -FARTHEST, FARTHEST, 1.0, 0.0, visible=False)
-            self._bind_offset(slider, "xyz".index(axis), is_turn=False)
+            self._bind_offset(slider, "xyz".index(axis), 1e-3)
         for axis in about:
             slider = self._gui.add_slider(f"about {axis} [°]", -TURNED, TURNED, 0.5, 0.0, visible=False)
-            self._bind_offset(slider, "xyz".index(axis), is_turn=True)
+            self._bind_offset(slider, 3 + "xyz".index(axis), radians(1))
         offsets += self._bound[first:]
 
-    def _bind_offset(self, slider: viser.GuiSliderHandle[float], axis: int, *, is_turn: bool) -> None:
-        def offset(now: Choices, place: Place) -> tuple[RigidTransform, Array, Array]:
-            """Where a place was given, and how far it is from there."""
-            start = place.given(self._given)
-            return start, *offset_of(now.poses.get(place, start), start)
+    def _bind_offset(self, slider: viser.GuiSliderHandle[float], number: int, unit: float) -> None:
 
         def read(now: Choices) -> float:
-            if self._place is None:
-                return 0.0
-            _, shift, turn = offset(now, self._place)
-            value = degrees(turn[axis]) if is_turn else 1000 * shift[axis]
-            return round(float(np.clip(value, slider.min, slider.max)), DECIMALS)
+            return 0.0 if self._place is None else round(now.offset(self._place)[number] / unit, DECIMALS)
 
         def apply(now: Choices, value: float) -> Choices:
             if self._place is None:
                 return now
-            start, shift, turn = offset(now, self._place)
-            (turn if is_turn else shift)[axis] = radians(value) if is_turn else value / 1000
-            return now.with_pose(self._place, moved_by(start, shift, turn))
+            offset = now.offset(self._place).copy()
+            offset[number] = value * unit
+            return now.with_offset(self._place, offset)
 
         self._bind(slider, read, apply)
 
@@ -238,3 +231,72 @@ def add_view_controls(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> No
 def configure_theme(gui: viser.GuiApi, *, dark: bool = False) -> None:
     """The panel's width and colours, without viser's own buttons."""
     gui.configure_theme(control_width="large", dark_mode=dark, show_logo=False, show_share_button=False)
+
+
+class Playback:
+    """The time of what is shown and how it goes on: a slider, and Play; `add_pace` adds how fast that is.
+
+    Attributes:
+        duration: Of what is shown [s].
+        plays: Whether time goes on.
+    """
+
+    def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
+        self.duration, self.plays, self._toggled = duration, False, False
+        self._share, self._shown = start, 0.0
+        self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
+        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
+        self._play.on_click(lambda _: later(self.toggle))
+
+    def add_pace(self, gui: viser.GuiApi) -> None:
+        """Add how fast it plays to the container that is open."""
+        suited = PACES[suited_pace(self.duration)]
+        self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited)
+
+    @property
+    def time(self) -> float:
+        """That is to be shown [s]."""
+        return self._share * self.duration
+
+    def toggle(self) -> None:
+        """Play, or stop playing."""
+        self.plays, self._toggled = not self.plays, True
+        self._play.label = "Pause" if self.plays else "Play"
+        self._play.icon = viser.Icon.PLAYER_PAUSE if self.plays else viser.Icon.PLAYER_PLAY
+
+    def follow(self, elapsed: float) -> bool:
+        """Take over what was changed since the last call, some time ago [s], and play on; whether that is shown."""
+        changed, self._toggled = self._toggled, False
+        if self._time.value != self._shown:
+            self._shown, changed = self._time.value, True
+            self._share = min(self._shown / self.duration, 1.0)  # which was rounded
+        if self.plays:
+            self._share += elapsed * PACE_NAMED[self._pace.value] / self.duration
+            if self._share > 1:
+                self._share %= 1
+        return changed or self.plays
+
+    def show(self) -> None:
+        """Show the time on the slider, unless a user has just moved it."""
+        digits = max(0, 3 - floor(log10(self.duration)))  # four tell times along the motion apart
+        self._shown = set_slider(self._time, (0.0, round(self.duration, digits)), digits, self.time, self._shown)
+
+
+def set_slider(
+    slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float, shown: float
+) -> float:
+    """Give a slider other ends, decimals and another value; what is as it was is not sent again.
+
+    A user who has moved it since `shown` was set or taken over keeps what is under the hand. What is shown now is given
+    back, for the next call.
+    """
+    digits = max(digits, DECIMALS)
+    step = 10.0**-digits
+    if (slider.min, slider.max, slider.step) != (*ends, step):
+        slider.min, slider.max = ends
+        slider.step, slider.precision = step, digits
+    if slider.value != shown:
+        return shown
+    value = min(max(round(value, digits), ends[0]), ends[1])
+    assign(slider, value)
+    return value

@@ -8,9 +8,7 @@ import numpy as np
 
 from mrts.base.printable import html_text
 from mrts.base.remark import Remark
-from mrts.base.words import interval_text
 from mrts.collisions.clearance import Clearance
-from mrts.limits.rows import Side
 from mrts.plots.card import Card
 from mrts.scaling.limit_use import Nearness
 from mrts.scene.scene import FORCE, MOMENT
@@ -88,11 +86,6 @@ def speed_html(state: PlayerState | None) -> str:
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     passed, found = state.violations(), state.result.range
     interval = f" {found.text()}" if found.status.admits_motion and state.timing is None else ""
-    if fast := sum(
-        use.name.kind == "velocity" and f"{use.name.robot}/{use.name.element}" in done.cell.joint_names
-        for use in passed
-    ):
-        text += f"{fast} of {done.q.shape[1]} joints beyond their velocity limit. "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range{interval}.")
     over = int(np.count_nonzero(state.excess))
@@ -111,26 +104,6 @@ def speed_html(state: PlayerState | None) -> str:
     else:
         text += "Where torques or wrenches do, all limits are moved outward by the least share that leaves torques."
     return _paragraph("speed", text, red=True)
-
-
-def moment_html(state: PlayerState | None, sample: int) -> str:
-    """The chosen time, and which speeds its sample alone admits and why; None leaves the place empty."""
-    if state is None:
-        return _paragraph("moment", "")
-    found = state.result.range
-    text = f"t = {state.trajectory.time[sample]:.4g} s of {state.trajectory.duration:.4g} s. "
-    conflict = next((conflict for conflict in found.samples.conflicts if conflict.sample == sample), None)
-    if conflict is not None:
-        return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", red=True)
-    low, high = found.samples.lower[sample], found.samples.upper[sample]
-    text += (
-        f"This sample alone admits c² ∈ {interval_text(low, high)}" if low <= high else "No c² suits every load here"
-    )
-    ends: tuple[tuple[str, Side, bool], ...] = (("faster", "upper", np.isfinite(high)), ("slower", "lower", low > 0))
-    for word, side, limited in ends:
-        rows = ", ".join(row.name.short for row in found.binding(sample, side)) if limited else ""
-        text += f"; {word} is forbidden by {html_text(rows)}" if rows else ""
-    return _paragraph("moment", f"{text}.")
 
 
 def nearest_html(card: Card) -> str:

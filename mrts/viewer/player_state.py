@@ -125,10 +125,10 @@ class PlayerState:
     refusal: str = ""
 
     @classmethod
-    def saved(cls, result: ScalingResult) -> "PlayerState":
+    def saved(cls, result: ScalingResult, timing: RetimingResult | None = None) -> "PlayerState":
         """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
         done = result.done
-        return cls(result, done, Speeds([], done.c, done.c, 1.0, done.c))
+        return cls(result, done, Speeds([], done.c, done.c, 1.0, done.c), timing=timing)
 
     def at_speed(self, c: float) -> "PlayerState":
         """The same outcome played at another speed, a factor > 0: one within half a step of an end is that end.

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.collisions.clearance import Clearance
 from mrts.scaling.limit_use import LimitUse
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
@@ -23,6 +22,7 @@ from mrts.scene.scene import (
     SURROUNDINGS,
     Scene,
     arm_colour,
+    blended,
     round_down,
     wxyz,
 )
@@ -37,8 +37,8 @@ ARROW = 0.5
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
 
-OUTLINE_WIDTH, PATH_WIDTH, NEAREST_WIDTH = 1.5, 3.0, 5.0
-"""Of the object's edges at start and goal, of its path, and of the line between the two nearest bodies [pixels]."""
+OUTLINE_WIDTH, PATH_WIDTH = 1.5, 3.0
+"""Of the object's edges at start and goal, and of its path [pixels]."""
 
 OPACITY = 0.9
 """Of the object."""
@@ -70,14 +70,12 @@ class ViewerScene:
             scene.add_arrows(name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin)
             for name, colour in (("/carried/forces", FORCE), ("/carried/moments", MOMENT), ("/gaps", OVER_LIMIT))
         )
-        self._path, self._nearest = (
-            scene.add_line_segments(name, np.zeros((1, 2, 3)), PATH, thickness=width, thickness_units="screen")
-            for name, width in (("/path", PATH_WIDTH), ("/nearest", NEAREST_WIDTH))
+        self._path = scene.add_line_segments(
+            "/path", np.zeros((1, 2, 3)), PATH, thickness=PATH_WIDTH, thickness_units="screen"
         )
         self._names = [
             scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
         ]
-        self._nearest_name = scene.add_label("/nearest_name", "", anchor="bottom-center")
         self._end_names = [
             scene.add_label("/start_name", "start", anchor="top-left"),
             scene.add_label("/goal_name", "goal", anchor="bottom-right"),
@@ -115,27 +113,19 @@ class ViewerScene:
 
     def show_moment(self, place: float, held: HeldPoses | None = None) -> None:
         """Draw a sample, or what is between two while it plays; where arms do not reach, what is missing there."""
-        moment = self._course.moment(place)
-        for frames, (R, p) in zip(self._frames, moment.bodies, strict=True):
-            for frame, at, turn in zip(frames, p, wxyz(R), strict=True):
+        course = self._course
+        for frames, (R, p) in zip(self._frames, course.bodies, strict=True):
+            for frame, at, turn in zip(frames, blended(p, place), wxyz(blended(R, place)), strict=True):
                 frame.position, frame.wxyz = at, turn
-        self._carried.position, self._carried.wxyz = moment.position, wxyz(moment.rotation)
-        point, force, turning = moment.contacts
-        points = (point - moment.position) @ moment.rotation
-        self._forces.points = self._arrows(points, force @ moment.rotation * self.metres_per_newton)
-        self._moments.points = self._arrows(points, turning @ moment.rotation * self.metres_per_newton_metre)
+        position, rotation = blended(course.position, place), blended(course.rotation, place)
+        self._carried.position, self._carried.wxyz = position, wxyz(rotation)
+        point, force, turning = (blended(each, place) for each in course.contacts)
+        points = (point - position) @ rotation
+        self._forces.points = self._arrows(points, force @ rotation * self.metres_per_newton)
+        self._moments.points = self._arrows(points, turning @ rotation * self.metres_per_newton_metre)
         missing = [] if held is None else np.flatnonzero(~held.reached[int(place)]).tolist()
-        gaps = np.array([(moment.lines[index][-1], point[index]) for index in missing]).reshape(-1, 2, 3)
+        gaps = np.array([(course.lines[index][int(place), -1], point[index]) for index in missing]).reshape(-1, 2, 3)
         self._gaps.points = gaps.astype(np.float32)
-
-    def show_nearest(self, near: Clearance | None) -> None:
-        """Draw the least distance along a motion between its two points, red if it is a depth, and say when it is."""
-        points, name = None if near is None else near.points, self._nearest_name
-        self._nearest.visible = name.visible = points is not None
-        if near is not None and points is not None:
-            self._nearest.points = points[None].astype(np.float32)
-            self._nearest.colors = np.full((1, 2, 3), OVER_LIMIT if near.collides else PATH, dtype=np.uint8)
-            name.text, name.position = f"{1e3 * near.distance:.3g} mm at {near.time:.3g} s", np.mean(points, axis=0)
 
     def darken(self, *, on: bool) -> None:
         """Draw the floor for a dark page, or for a light one."""

@@ -42,8 +42,6 @@ def open_server(host: str, port: int, label: str) -> "GuardedServer":
     Raises:
         InputError: If the address is not one of this machine, the port is taken, or this viser cannot be guarded.
     """
-    if not 0 <= port <= 65535:  # noqa: PLR2004 (what a port is)
-        raise InputError("--port", "must be from 0 (any free one) to 65535.", value=port)
     try:  # viser would silently take another port, and wait for ever on an address that is not there
         family, _, _, _, listening = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         socket.create_server(listening[:2], family=family).close()

@@ -19,8 +19,10 @@ from mrts.viewer.choices import Choices
 from mrts.viewer.controls import (
     ChangeControls,
     Later,
+    Playback,
     add_view_controls,
     configure_theme,
+    set_slider,
 )
 from mrts.viewer.panel import (
     PANEL,
@@ -28,14 +30,12 @@ from mrts.viewer.panel import (
     arrows_html,
     collisions_html,
     held_html,
-    moment_html,
     nearest_html,
     outcome_html,
     speed_html,
     text_html,
     verdict_html,
 )
-from mrts.viewer.playback import Playback, set_slider
 from mrts.viewer.player_state import HeldPoses, PlayerState
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.time_plots import PlotPanel
@@ -52,7 +52,7 @@ class Viewer:
     """The scene and the panel: the outcome, speed and time, limits and changes.
 
     It shows the answers of a workbench, or the state of a saved result, of which nothing can be changed: `bench` is
-    None then, and `plots` are where a cell is looked at without a motion.
+    None then, and `plots` are where a cell is looked at without a motion. `shown` is what is drawn.
     """
 
     def __init__(self, server: viser.ViserServer, bench: Workbench | PlayerState, urdfs: Urdfs, warn: Warn) -> None:
@@ -60,7 +60,7 @@ class Viewer:
         self.bench = bench if isinstance(bench, Workbench) else None
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
         assert not isinstance(answer.shown, MrtsError)  # noqa: S101 (a workbench begins with something to show)
-        self._shown, self.sample = answer.shown, 0
+        self.shown, self.sample = answer.shown, 0
         stands = answer.state is None and not answer.message
         self._todo: SimpleQueue[Any] = SimpleQueue()
         later, gui = self._todo.put, server.gui
@@ -79,7 +79,7 @@ class Viewer:
         found = None if answer.state is None else answer.state.card.deciding
         start = 0.0 if found is None else float(answer.shown.scene.time[found.sample]) / duration
         self.playback = Playback(gui, duration, later, start=start, visible=not stands)
-        self._speed_text, self._moment_text = (gui.add_html("", visible=not stands) for _ in range(2))
+        self._speed_text = gui.add_html("", visible=not stands)
         self._add_tabs(later, stands=stands)
         self._show_answer(answer)
 
@@ -123,10 +123,9 @@ class Viewer:
                 self._follow_changes()  # controls that were changed before it was asked
                 self._todo.get()()
             self._follow_choices()
-            moves, read = self.playback.follow(elapsed)
-            another = another or moves
+            another = self.playback.follow(elapsed) or another
             if another:
-                self._show_moment(read=read)
+                self._show_moment()
             if self.plots is not None:
                 self.plots.step(elapsed)
             if another:
@@ -174,13 +173,12 @@ class Viewer:
             self._error = text_html("error", str(shown))
             return  # what was shown before stays
         others = answer is self._answer or state is None or before is None or state.result is not before.result
-        self._answer, self._shown, self._error = answer, shown, ""
+        self._answer, self.shown, self._error = answer, shown, ""
         self.playback.duration = float(shown.scene.time[-1])
         with self.server.atomic():
             self._scene.show(shown.scene, anew=others)
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
-            self._scene.show_nearest(near)
             if state is not None:
                 self._outcome = outcome_html(state) + collisions_html(near, said)
             elif isinstance(shown, HeldPoses):
@@ -192,7 +190,7 @@ class Viewer:
                 self._nearest.content = "" if state is None else nearest_html(state.card)
                 self._arrows.content = arrows_html(scene.metres_per_newton, scene.metres_per_newton_metre)
                 self.plots.show(state)
-            self._show_moment(read=True)
+            self._show_moment()
         if self._changes is not None:
             self._changes.tell(answer.choices)
         if state is not None and self.bench is not None:  # unless a user has moved on to another speed
@@ -200,8 +198,8 @@ class Viewer:
             c = chosen if self.bench.is_asked else state.trajectory.c
             self._shown_speed = set_slider(self._speed, (speeds.lower, speeds.upper), speeds.digits, c, chosen)
 
-    def _show_moment(self, *, read: bool) -> None:
-        shown, scene, at = self._shown, self._shown.scene, self.playback.time
+    def _show_moment(self) -> None:
+        shown, scene, at = self.shown, self.shown.scene, self.playback.time
         self.sample = int(np.argmin(np.abs(scene.time - at)))
         with self.server.atomic():
             if isinstance(shown, HeldPoses):
@@ -210,6 +208,4 @@ class Viewer:
                 self._scene.show_moment(scene.place(at) if self.playback.plays else self.sample)
         if self.plots is not None:
             self.plots.at = float(scene.time[self.sample] / scene.time[-1])
-        if read:
-            self.playback.show()
-            self._moment_text.content = moment_html(self.state, self.sample)
+        self.playback.show()

@@ -60,7 +60,7 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
     """Find what follows from choices, at the first choice of speed."""
     motion: ObjectMotion | JointTable | None = None
     try:
-        cell, motion = choices.cell(given.cell), choices.motion(given)
+        cell, motion = choices.cell(given), choices.motion(given)
         if given.stands and isinstance(motion, ObjectMotion):
             return Answer(choices, held_poses(cell, motion))
         profile, rates = choices.profile, choices.torque_rate

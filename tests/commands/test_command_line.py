@@ -43,7 +43,7 @@ OPTIONS = {
         "select": 1.0, "formulation": "torque", "solver": "qpsol:qpoases", "weights": np.arange(1.0, 7.0)
     },
     "--c2 1 --distribute reserve --reserve 0.1": {"select": 1.0, "distribute": "reserve", "reserve": 0.1},
-    "--nominal --share equal": {"select": "nominal", "sharing": mrts.LoadSharing()},
+    "--c2 1 --share equal": {"select": 1.0, "sharing": mrts.LoadSharing()},
 }  # fmt: skip
 
 
@@ -54,7 +54,6 @@ def test_options_reach_the_library(planar_cell, lift, tmp_path):
         assert json.loads(target.read_text()) == mrts.scale(planar_cell, lift, **asked).to_json()
     assert main(["scale", *map(str, FILES), "--no-wrench-limits", "--json", str(target), "-q"]) == 0
     assert json.loads(target.read_text()) == mrts.scale(planar_cell.without_wrench_limits(), lift, "fastest").to_json()
-    assert main(["scale", *map(str, FILES), "--nominal", "--c2", "1"]) == 2
     assert mrts_process("--version").stdout.strip() == f"mrts {mrts.__version__}"
 
 
@@ -77,7 +76,7 @@ def test_an_infeasible_motion_is_an_outcome(tmp_path):
     ("words", "said"),
     [
         (["scael"], "No such command 'scael'. Did you mean 'scale'? ('mrts --help' has "),
-        (["scale", "--carri", "x"], "No such option '--carri'. Did you mean '--carry'? ('mrts scale --help' has "),
+        (["scale", "--closur", "x"], "No such option '--closur'. Did you mean '--closure'? ('mrts scale --help' has "),
         (["scale", "cell.yaml", "lift.yaml", "--plot", ""], "--plot: must not be empty: name a file or a folder."),
         (["scale", "c.yaml", "m.yaml", "--save", "a.npz", "--save", "b.npz"], "--save: is given twice."),
         (["new", "x", "--mass", "heavy"], "Invalid value for '--mass': 'heavy' is not a valid float ('mrts new --he"),

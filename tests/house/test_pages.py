@@ -1,4 +1,4 @@
-"""The documentation: pages and recipes are done as they stand; reference, site and package are whole."""
+"""The documentation: pages are done as they stand; reference, site and package are whole."""
 
 import importlib
 import re
@@ -11,7 +11,6 @@ import mrts_codegen
 import pytest
 from conftest import ROOT
 from page_runner import Page
-from recipe import Recipe
 
 import mrts
 from mrts.cli import COMMANDS
@@ -38,6 +37,7 @@ DOCS = ROOT / "docs"
         pytest.param("limits", 1, marks=pytest.mark.slow),
         pytest.param("what_if", 2, marks=pytest.mark.slow),
         pytest.param("study_file", 2, marks=pytest.mark.slow),
+        ("extending", 1),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):
@@ -79,24 +79,6 @@ def test_users_import_from_mrts_or_a_package_of_it():
             assert name.count(".") == 1 or name.startswith("mrts.plots.") or name.split(".")[1] in mrts.__all__, name
         for package in re.findall(r"^from (mrts\.\w[\w.]*) import", text, re.MULTILINE):
             assert hasattr(importlib.import_module(package), "__all__"), package
-
-
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
-RECIPES = dict(re.findall(r"^## (\d\. [^\n]+)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
-MOST_FILES = 3
-
-
-@pytest.mark.slow
-def test_each_recipe_does_what_it_promises_in_three_files_and_all_of_them_keep_the_house_rules(tmp_path):
-    whole = Recipe("", tmp_path).copy(ROOT)
-    for title, text in RECIPES.items():
-        followed = Recipe(text, tmp_path).follow()
-        assert followed.ran > 0, title
-        assert 1 <= len(followed.touched) <= MOST_FILES, (title, sorted(followed.touched))
-        followed.undo()
-    for text in RECIPES.values():
-        whole.touched |= Recipe(text, tmp_path).follow(run=False).touched
-    whole.check()
 
 
 def test_this_environment_runs_this_folder():

@@ -43,7 +43,7 @@ def test_what_scale_writes_it_reads_again(name, tmp_path):
     planned = json.loads(plan.read_text())
     (tmp_path / "motion.yaml").write_text("joints: bag/bag.mcap\n")
     for file in (bag, bag / "bag.mcap", table, tmp_path / "motion.yaml"):
-        assert main(["scale", str(cell), str(file), "--nominal", "--json", str(tmp_path / "again.json")]) == 0
+        assert main(["scale", str(cell), str(file), "--c2", "1", "--json", str(tmp_path / "again.json")]) == 0
         again = json.loads((tmp_path / "again.json").read_text())
         assert again["c2"]["upper"] == pytest.approx(planned["c2"]["upper"] / 0.8, rel=1e-9)
         assert again["selected"]["duration"] == pytest.approx(planned["selected"]["duration"], abs=1e-9)

@@ -19,7 +19,7 @@ from mrts.scene import film
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
 from mrts.scene.film import KIND_COLOURS, Composition, write_film, write_picture
 from mrts.scene.renderer import Clip, SceneRenderer
-from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, suited_pace
+from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, blended, suited_pace
 
 FEW = 2
 """Frames a second: enough to see what moves."""
@@ -137,17 +137,18 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     clip = clip_of("", mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml")))
     time = clip.trajectory.duration / 2
     picture, camera, scale = rendered(clip, time)
-    moment = clip.scene.moment(clip.scene.place(time))
-    for number, line in enumerate(moment.lines):
+    scene, place = clip.scene, clip.scene.place(time)
+    lines = [blended(line, place) for line in scene.lines]
+    for number, line in enumerate(lines):
         elbow = seen(camera, (line[2:3] + line[3:4]) / 2)[0].astype(int)
         assert where(picture, arm_colour(number))[elbow[1] - 2 : elbow[1] + 3, elbow[0] - 2 : elbow[0] + 3].any()
-    point, pull, _ = moment.contacts
+    point, pull, _ = (blended(each, place) for each in scene.contacts)
     force = where(picture, FORCE)
     for share, is_seen in ((0.9, True), (1.2, False)):
         for right, down in seen(camera, point + share * scale * pull).astype(int):
             assert force[down - 1 : down + 2, right - 1 : right + 2].any() == is_seen, share
     assert amount(picture, OBJECT) > 0.03
-    joint = seen(camera, moment.lines[1][5:6])[0].astype(int)
+    joint = seen(camera, lines[1][5:6])[0].astype(int)
     assert where(picture, OVER_LIMIT)[joint[1] - 3 : joint[1] + 4, joint[0] - 3 : joint[0] + 4].any()
 
 

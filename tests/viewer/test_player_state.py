@@ -11,7 +11,7 @@ from shipped_cells import still_motion
 import mrts
 from mrts.base.printable import html_text
 from mrts.scaling.range import intersect
-from mrts.viewer.panel import moment_html, outcome_html, speed_html
+from mrts.viewer.panel import outcome_html, speed_html
 from mrts.viewer.player_state import offered_speeds, play, widened_torques
 
 NEAR_END = 1e-6
@@ -77,13 +77,11 @@ def test_an_infeasible_motion_still_plays(planar_cell, lift):
     assert np.max(state.excess) >= worst * (1 - 1e-6)
     assert "these limits conflict" in outcome_html(state)
     assert "Outside the admissible range" in speed_html(state)
-    assert "no torques carry the object" in moment_html(state, 0)
 
 
 def test_at_rest_any_speed_plays(planar_cell, lift):
     state = play(planar_cell, still_motion(lift.position[0]))
     assert (state.trajectory.c, state.speeds.upper) == (1, 3)
-    assert "∞" in moment_html(state, 0)
     state = state.at_speed(3.0)
     assert state.admissible
 
@@ -120,8 +118,3 @@ def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_tur
     assert [use.share for use in named] == sorted((use.share for use in named), reverse=True)
     assert named[0].share - 1 == pytest.approx(state.excess.max(), rel=1e-12)
     assert f"{html_text(named[0].name.short)} by 20 % at {named[0].time:.3g} s" in speed_html(state)
-    free = dual_ur5.without_velocity_limits()
-    passed = [
-        use for use in mrts.scale(free, lift_and_turn).limit_uses if use.name.kind == "velocity" and use.share > 1
-    ]
-    assert f"{len(passed)} of 12 joints" in speed_html(play(free, lift_and_turn))

@@ -13,13 +13,12 @@ from shipped_cells import shipped
 from shown_viewer import cell_of_real_arms, news_of, planar_given, settle, shown_viewer, spatial_given
 
 import mrts
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_file import urdf_files
 from mrts.cli import main
 from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
 from mrts.plots.trajectory_plots import limit_shares
-from mrts.scene.scene import OVER_LIMIT
+from mrts.scene.scene import blended
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
 from mrts.viewer.player_state import PlayerState, still_motion
@@ -91,7 +90,7 @@ def test_every_slider_changes_its_number(viewer):
     assert viewer.bench.choices.limits["torque", "left", "elbow"] == 0.6
     choose(viewer, move="left base")
     choose(viewer, **{"along x [mm]": 20.0, "about z [°]": 10.0})
-    pose, given = viewer.bench.choices.poses[Place("base", "left")], left.T_world_base
+    pose, given = viewer.bench.choices.poses(viewer.bench.given)[Place("base", "left")], left.T_world_base
     np.testing.assert_allclose(pose.p - given.p, [0.02, 0, 0], atol=1e-9)
     turn = Rotation.from_matrix(pose.R @ given.R.T).as_rotvec(degrees=True)
     np.testing.assert_allclose(turn, [0, 0, 10], atol=1e-9)
@@ -161,9 +160,7 @@ def test_it_opens_at_the_moment_that_decides(spatial):
 def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatch, capsys):
     with shown_viewer(Given(planar_cell, still_motion(planar_cell), stands=True)) as viewer:
         assert not any(viewer.controls[name].visible for name in ("speed c", "time [s]", "Play"))
-        base = planar_cell.robots[0].T_world_base
-        far = RigidTransform(base.R, base.p - np.array([0.0, 3.0, 0.0]))
-        viewer.bench.edit(viewer.bench.choices.with_pose(Place("base", "left"), far))
+        viewer.bench.edit(viewer.bench.choices.with_offset(Place("base", "left"), np.array([0.0, -3.0, 0, 0, 0, 0])))
         settle(viewer.shown)
         ((tip, grasp),) = drawn(viewer, "/gaps").points
         held = viewer.bench.answer.shown
@@ -173,8 +170,8 @@ def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatc
     assert "no motion was given, the cell stands at its posture" in capsys.readouterr().out
 
 
-def test_surroundings_and_the_nearest_pair_are_drawn(dual_ur5, monkeypatch):
-    """Beside a post, and then through a shelf: where `mrts.clearance` says, and when at the speed that is played."""
+def test_surroundings_are_drawn_and_the_nearest_pair_is_told(dual_ur5, monkeypatch):
+    """Beside a post, and then through a shelf: as `mrts.clearance` says, and when at the speed that is played."""
     given = spatial_given(dual_ur5)
     posts = [{"name": "post", "cylinder": {"radius": 0.05, "length": 1.0}, "pose": {"xyz": [0.0, 0.6, 0.2]}}]
     shelf = {"name": "shelf", "box": [0.6, 0.4, 0.002], "pose": {"xyz": [0.0, 0.2, 0.5]}}
@@ -187,18 +184,13 @@ def test_surroundings_and_the_nearest_pair_are_drawn(dual_ur5, monkeypatch):
             for number, one in enumerate(surroundings):
                 middle = np.mean(drawn(viewer, f"/surroundings/{number}").vertices, axis=0)
                 np.testing.assert_allclose(middle, one["pose"]["xyz"], atol=SINGLE)
-            line, label = drawn(viewer, "/nearest"), drawn(viewer, "/nearest_name")
-            np.testing.assert_allclose(line.points[0], near.points, atol=SINGLE)
-            assert (line.visible, label.visible, tuple(line.colors[0, 0]) == OVER_LIMIT) == (True, True, red)
             c = viewer.shown.state.trajectory.c
-            assert label.text == f"{1e3 * near.distance:.3g} mm at {near.time / c:.3g} s"
             text = viewer.shown._outcome  # noqa: SLF001 (what the page shows)
             assert near.at_speed(c).sentence() in text
             assert ('data-text="collisions" style="color:var(--mrts-over)"' in text) == red
     monkeypatch.setitem(sys.modules, "coal", None)
     with shown_viewer(given) as viewer:
         settle(viewer.shown)
-        assert not drawn(viewer, "/nearest").visible
         assert "mrts[collision]" in viewer.shown._outcome  # noqa: SLF001 (likewise)
 
 
@@ -210,25 +202,24 @@ def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spat
     viewer = spatial.shown
     state, course = viewer.state, viewer.state.scene
     for place in (3.25, 50.5, 99.99):
-        moment = course.moment(place)
+        position, rotation = (blended(each, place) for each in (course.position, course.rotation))
         low, high = int(place), int(place) + 1
         between = course.position[low] + (place - low) * (course.position[high] - course.position[low])
-        np.testing.assert_allclose(moment.position, between)
-        for robot, (R, _), line in zip(state.result.cell.robots, moment.bodies, moment.lines, strict=True):
-            grasp = moment.position + moment.rotation @ robot.T_object_tip.p
-            np.testing.assert_allclose(line[-1], grasp, atol=1e-6)
-            np.testing.assert_allclose(np.linalg.det(R), 1, atol=BLENDED)
+        np.testing.assert_allclose(position, between)
+        for robot, (R, _), line in zip(state.result.cell.robots, course.bodies, course.lines, strict=True):
+            grasp = position + rotation @ robot.T_object_tip.p
+            np.testing.assert_allclose(blended(line, place)[-1], grasp, atol=1e-6)
+            np.testing.assert_allclose(np.linalg.det(blended(R, place)), 1, atol=BLENDED)
     viewer.playback.toggle()
     viewer.step(0.4 * FRAME)
     viewer.playback.toggle()
     viewer.step(FRAME)
     np.testing.assert_array_equal(drawn(spatial, "/carried").position, course.position[viewer.sample])
     np.testing.assert_allclose(turned(drawn(spatial, "/carried")), course.rotation[viewer.sample], atol=1e-12)
-    moment = course.moment(viewer.sample)
-    for robot, (R, p) in zip(state.result.cell.robots, moment.bodies, strict=True):
+    for robot, (R, p) in zip(state.result.cell.robots, course.bodies, strict=True):
         frame = drawn(spatial, f"/arms/{robot.name}/body{len(robot.joints)}")
-        np.testing.assert_allclose(frame.position, p[-1], atol=SINGLE)
-        np.testing.assert_allclose(turned(frame), R[-1], atol=1e-9)
+        np.testing.assert_allclose(frame.position, p[viewer.sample, -1], atol=SINGLE)
+        np.testing.assert_allclose(turned(frame), R[viewer.sample, -1], atol=1e-9)
 
 
 @pytest.mark.parametrize("spoil", ["gone", "broken", "http"])

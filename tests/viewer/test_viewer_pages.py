@@ -81,8 +81,7 @@ def test_the_page_follows_the_speed_slider(chromium):
         page.wait_for_function(f"{USED} > 101")
         assert "Outside the admissible range" in text(page, "speed")
         time.press("End")
-        waits_for(page, "moment", "t = 0.2493 s of 0.2493 s")
-        assert "This sample alone admits" in text(page, "moment")
+        assert time.get_attribute("aria-valuenow") == "0.2493"
         assert page.problems == []
         out, err, code = interrupt(process)  # while the page is open
     assert (code, err) == (0, "")

@@ -12,11 +12,10 @@ import yaml
 from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_given
 
 import mrts
-from mrts.base.rigid_transform import RigidTransform
 from mrts.collisions.bodies import tip_at_posture
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.viewer import workbench
-from mrts.viewer.choices import Choices, Given, Place, changed_keys, moved_by, places
+from mrts.viewer.choices import Choices, Given, Place, changed_keys, places
 from mrts.viewer.panel import held_html
 from mrts.viewer.player_state import still_motion
 from mrts.viewer.workbench import Workbench, find_answer
@@ -60,8 +59,7 @@ def test_each_change_has_the_answer_of_the_changed_cell(spatial):
     cell, motion = spatial.cell, spatial.motion
     bench = Workbench(spatial)
     base, grasp = Place("base", "left"), Place("grasp", "right")
-    shifted = moved_by(base.given(spatial), np.array([0.02, -0.01, 0.0]), np.array([0.0, 0.0, 0.05]))
-    regrasped = moved_by(grasp.given(spatial), np.array([0.0, 0.01, 0.0]), np.zeros(3))
+    shifted, regrasped = np.array([0.02, -0.01, 0.0, 0.0, 0.0, 0.05]), np.array([0.0, 0.01, 0.0, 0.0, 0.0, 0.0])
     start = bench.choices
     left = cell.robots[0]
     limits = left.torque_upper * np.where(np.array(left.joints) == "elbow", 0.2, 1.0)
@@ -69,8 +67,8 @@ def test_each_change_has_the_answer_of_the_changed_cell(spatial):
     cases = {
         "mass": (replace(start, mass=11.0), cell.with_mass(11.0)),
         "limit": (start.with_limit(("torque", "left", "elbow"), 0.2), cell.with_values({"robots.left.torque": limits})),
-        "base": (start.with_pose(base, shifted), cell.with_values({"robots.left.base": by_hand})),
-        "grasp": (start.with_pose(grasp, regrasped), cell.with_values({"robots.right.grasp.xyz": [0.25, 0.01, 0.0]})),
+        "base": (start.with_offset(base, shifted), cell.with_values({"robots.left.base": by_hand})),
+        "grasp": (start.with_offset(grasp, regrasped), cell.with_values({"robots.right.grasp.xyz": [0.25, 0.01, 0.0]})),
     }
     for name, (choices, wanted) in cases.items():
         bench.edit(choices)
@@ -87,8 +85,8 @@ def test_the_keys_of_what_was_changed_are_those_of_the_files(spatial):
     """Read as YAML and put into the cell and the motion, they give the answer of the workbench."""
     base, end = Place("base", "left"), Place("end")
     choices = Choices(mass=9.5).with_limit(("torque", "left", "elbow"), 0.5)
-    choices = choices.with_pose(end, moved_by(end.given(spatial), np.array([0, 0, 0.05]), np.zeros(3)))
-    choices = choices.with_pose(base, moved_by(base.given(spatial), np.array([0.02, 0, 0]), np.array([0, 0, 0.1])))
+    choices = choices.with_offset(end, np.array([0, 0, 0.05, 0, 0, 0]))
+    choices = choices.with_offset(base, np.array([0.02, 0, 0, 0, 0, 0.1]))
     keys = dict(yaml.safe_load(line).popitem() for line in changed_keys(spatial, choices))
     ends = {"end": keys.pop("end")}
     assert keys.keys() == {"object.mass", "robots.left.torque", "robots.left.base"}
@@ -117,8 +115,7 @@ def test_the_newest_of_many_changes_is_answered(planar):
 def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     """The gap is the distance from the drawn tip to the grasp; the object still moves."""
     end = Place("end")
-    there = end.given(spatial)
-    answer = changed(spatial, Choices().with_pose(end, RigidTransform(there.R, there.p + np.array([0.0, 0.0, 0.6]))))
+    answer = changed(spatial, Choices().with_offset(end, np.array([0.0, 0.0, 0.6, 0, 0, 0])))
     found = answer.shown
     assert answer.state is None
     assert "cannot reach" in answer.message
@@ -140,8 +137,7 @@ def test_a_cell_without_a_motion_stands_at_its_posture_and_follows_its_places(pl
     np.testing.assert_allclose(held.scene.q[0, :3], robot.posture, atol=1e-6)
     grasp = held.scene.position[0] + held.scene.rotation[0] @ robot.T_object_tip.p
     np.testing.assert_allclose(grasp, tip_at_posture(robot).p, atol=1e-6)
-    far = RigidTransform(np.eye(3), robot.T_world_base.p - np.array([0.0, 3.0, 0.0]))
-    bench.edit(bench.choices.with_pose(Place("base", "left"), far))
+    bench.edit(bench.choices.with_offset(Place("base", "left"), np.array([0.0, -3.0, 0, 0, 0, 0])))
     held = answered(bench).shown
     assert held.reached[0].tolist() == [False, True]
     assert held_html(held).count("mm") == 1

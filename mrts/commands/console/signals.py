@@ -16,18 +16,6 @@ LIKE_INTERRUPT = (signal.SIGTERM, signal.SIGHUP)
 """End the work as Ctrl-C does, with files tidied up; SIGHUP comes when a terminal is closed."""
 
 
-class EndedBySignal(KeyboardInterrupt):
-    """A signal ended the work.
-
-    Attributes:
-        number: Of the signal.
-    """
-
-    def __init__(self, number: int) -> None:
-        super().__init__()
-        self.number = number
-
-
 @contextmanager
 def persistent_interrupt() -> Iterator[None]:
     """Let Ctrl-C end the block, whatever library is at work, and `LIKE_INTERRUPT` as well.
@@ -36,7 +24,7 @@ def persistent_interrupt() -> Iterator[None]:
     meaning of the operands, so it is not raised there; scipy has them while it is imported, so it is raised again.
 
     Raises:
-        EndedBySignal: If a signal asks for the end.
+        KeyboardInterrupt: If a signal asks for the end, with its number.
     """
     asked: list[int] = []
 
@@ -61,14 +49,14 @@ def persistent_interrupt() -> Iterator[None]:
         yield
     except (Exception, KeyboardInterrupt, SystemExit):
         if asked:  # it may have arrived as the cause of something else
-            raise EndedBySignal(asked[0]) from None
+            raise KeyboardInterrupt(asked[0]) from None
         raise
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         for each, handler in before.items():
             signal.signal(each, handler)
     if asked:
-        raise EndedBySignal(asked[0])
+        raise KeyboardInterrupt(asked[0])
 
 
 def _inside_casadi(frame: FrameType | None) -> bool:
