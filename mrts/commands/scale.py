@@ -112,7 +112,6 @@ def run(
     from mrts.motion.motion_file import load_motion
     from mrts.plots.card import answer_card
     from mrts.scaling.result import ScalingResult, fallbacks_text
-    from mrts.scaling.scale import SelectionError
 
     _check(profile, given | ({"what_if": True} if what_if else {}))
     files = take(given, FILES)
@@ -125,19 +124,11 @@ def run(
     limited = options.compiled_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
-    write = partial(_write_file, merged=merged)
-    try:
-        search = _searched(limited, motion_given, profile, given) if automatic else None
-        found = (search and search.found) or _solved(limited, motion_given, profile, given)
-        if what_if:
-            with working("changing the cell") as progress:
-                found = replace(found, changes=found.what_if(progress=progress))
-    except SelectionError as error:
-        if error.result is not None:
-            outputs = Outputs(error.result, json)
-            _write(outputs, error.result, None, files, write)
-            outputs.answer((), INFEASIBLE)
-        raise
+    search = _searched(limited, motion_given, profile, given) if automatic else None
+    found = (search and search.found) or _solved(limited, motion_given, profile, given)
+    if what_if:
+        with working("changing the cell") as progress:
+            found = replace(found, changes=found.what_if(progress=progress))
     with working("comparing with a constant factor"):
         card = None if verbose else answer_card(found)
         lines = _words(found, card, search)
@@ -145,7 +136,7 @@ def run(
         plan = None if plan is None or plan.trajectory is None else plan if rate is None else plan.at_rate(rate)
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = Outputs(found, json)
-        _write(outputs, found, plan, files, write)
+        _write(outputs, found, plan, files, merged=merged)
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
     code = outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
@@ -215,7 +206,8 @@ def _write(
     found: "ScalingResult | RetimingResult",
     plan: "ScalingResult | None",
     files: dict[str, Path],
-    write: Callable[..., None],
+    *,
+    merged: bool,
 ) -> None:
     """Write what was asked for; files of one trajectory hold the plan, if there is one."""
     left_out = []
@@ -223,7 +215,7 @@ def _write(
         if name in PLANS and plan is None:
             left_out.append(f"--{name.replace('_', '-')}")
         else:
-            outputs.write(path, partial(write, name, plan if name in PLANS else found))
+            outputs.write(path, partial(_write_file, name, plan if name in PLANS else found, merged=merged))
     if left_out:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
 

@@ -89,12 +89,13 @@ def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledT
 
 
 def _setting(text: str) -> tuple[str, Any]:
+    from mrts.base.yaml_text import parse_yaml
+
     name, sign, value = text.partition("=")
     if not sign:
         raise InputError("given", "must be KEY=VALUE, such as delay=2e-3.", value=text)
-    if name == "friction":
-        if value not in {"true", "false"}:
-            raise InputError("given", "friction is fed forward or not: true or false.", value=text)
-        return name, value == "true"
-    numbers = options.numbers("given", value, f"{name} must be a number, or numbers with commas between them.")
-    return name, numbers[0] if len(numbers) == 1 else options.array(numbers)
+    try:
+        values: Any = parse_yaml(f"[{value}]")
+    except ValueError as error:
+        raise InputError("given", f"{error}.", value=text) from None
+    return name, values[0] if len(values) == 1 else values

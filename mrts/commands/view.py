@@ -117,11 +117,10 @@ def run(
         return _serve(source, {} if saved else _urdfs(cell), host, port, opens=not no_open)
     from mrts.motion.motion_file import load_motion
     from mrts.scaling.limit_use import limited_rates
-    from mrts.scene.film import check_film
     from mrts.scene.renderer import Clip, require_renderer
 
-    if video is not None:
-        check_film(video)
+    if video is not None and video.suffix.lower() == ".mp4":
+        require_extra("--video", "film", "imageio_ffmpeg")
     require_renderer()
     clips, within = [], True
     if saved:

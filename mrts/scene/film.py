@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from mrts.base.argument_types import Progress, require_extra
+from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import cut, printable
@@ -217,9 +217,8 @@ def write_film(
         progress: Told how many frames are drawn.
 
     Raises:
-        InputError: As `check_film`; if the film would be too long, or the file cannot be written.
+        InputError: If the film would be too long, or the file cannot be written.
     """
-    check_film(path)
     ending = path.suffix.lower()
     rate, longest = RATES[ending], max(clip.trajectory.duration for clip in clips)
     pace = suited_pace(longest)
@@ -254,18 +253,6 @@ def write_picture(clips: Sequence[Clip], path: Path, time: float, warn: Warn = s
     with closing(Composition(clips, warn=warn)) as composition:
         picture = Image.fromarray(composition.frame(time))
     write_atomically(path, lambda temporary: picture.save(temporary, "PNG", optimize=True))
-
-
-def check_film(path: Path) -> None:
-    """Say before any work what would keep a film from being written.
-
-    Raises:
-        InputError: If its name ends otherwise than .gif or .mp4, or there is nothing to code an mp4 by.
-    """
-    if path.suffix.lower() not in RATES:
-        raise InputError("--video", "writes a file that ends in .gif or .mp4.", value=str(path))
-    if path.suffix.lower() == ".mp4":
-        require_extra("--video", "film", "imageio_ffmpeg")
 
 
 def _write_mp4(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: int) -> None:

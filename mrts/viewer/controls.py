@@ -217,8 +217,8 @@ class ChangeControls:
         self._bind(slider, read, apply)
 
 
-def add_view_controls(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> None:
-    """Add the colours of the page to the container that is open."""
+def add_theme_switch(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> None:
+    """Add a switch to a dark page."""
 
     def darken(*, on: bool) -> None:
         configure_theme(gui, dark=on)
@@ -234,7 +234,7 @@ def configure_theme(gui: viser.GuiApi, *, dark: bool = False) -> None:
 
 
 class Playback:
-    """The time of what is shown and how it goes on: a slider, and Play; `add_pace` adds how fast that is.
+    """The time of what is shown and how it goes on: a slider, Play, and how fast that is.
 
     Attributes:
         duration: Of what is shown [s].
@@ -247,11 +247,8 @@ class Playback:
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
         self._play.on_click(lambda _: later(self.toggle))
-
-    def add_pace(self, gui: viser.GuiApi) -> None:
-        """Add how fast it plays to the container that is open."""
-        suited = PACES[suited_pace(self.duration)]
-        self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited)
+        suited = PACES[suited_pace(duration)]
+        self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited, visible=visible)
 
     @property
     def time(self) -> float:

@@ -70,11 +70,8 @@ def held_html(held: HeldPoses) -> str:
     missing = f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
     if held.message:
         return _paragraph("outcome", f"<b>No motion:</b> {html_text(held.message)}{missing}", red=True)
-    arms = ", ".join(f"{html_text(robot.name)} ({len(robot.joints)} joints)" for robot in held.scene.cell.robots)
-    text = (
-        f"{html_text(held.scene.cell.name)} stands where {html_text(held.scene.cell.robots[0].name)} holds the object "
-        f"({held.scene.cell.mass:.4g} kg) at its posture: {arms}. No motion was given: mrts view CELL MOTION plays one."
-    )
+    text = f"{html_text(held.scene.cell.name)} stands where its first arm holds the object at its posture. "
+    text += "No motion was given: mrts view CELL MOTION plays one."
     return _paragraph("outcome", text + missing, red=bool(lost))
 
 
@@ -98,11 +95,7 @@ def speed_html(state: PlayerState | None) -> str:
         f"{html_text(use.name.short)} by {100 * (use.share - 1):.3g} % at {use.time:.3g} s"
         for use in passed[:MOST_NAMED]
     )
-    text += f"; and {len(passed) - MOST_NAMED} more. " if len(passed) > MOST_NAMED else ". "
-    if state.result.options.sharing is not None or len(state.result.cell.robots) == 1:
-        text += "The torques follow from the motion alone."
-    else:
-        text += "Where torques or wrenches do, all limits are moved outward by the least share that leaves torques."
+    text += f"; and {len(passed) - MOST_NAMED} more." if len(passed) > MOST_NAMED else "."
     return _paragraph("speed", text, red=True)
 
 

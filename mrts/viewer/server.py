@@ -52,11 +52,7 @@ def open_server(host: str, port: int, label: str) -> "GuardedServer":
         reason = strerror(error.errno or 0)
         raise InputError(where, f"cannot be listened at: {reason}. Port 0 is any free one.", value=value) from None
     with contextlib.redirect_stdout(io.StringIO()):  # viser's banner
-        server = GuardedServer(host, port, label)
-    if port not in {0, server.get_port()}:
-        close_server(server)
-        raise InputError("--port", "has just been taken. Port 0 is any free one.", value=port)
-    return server
+        return GuardedServer(host, port, label)
 
 
 def close_server(server: viser.ViserServer) -> None:
@@ -107,24 +103,33 @@ class GuardedServer(viser.ViserServer):
         silent = logging.getLogger("mrts.viewer.connections")  # what strangers send is no news
         silent.disabled = True
 
-        class Connection(ServerConnection):
-            """Hands on what a control or a camera can have sent; all else is as if it had not been sent."""
+        def guarded(
+            handler: Callable[[ServerConnection], Any],
+            *given: Any,
+            process_request: Callable[..., Response | None],
+            **options: Any,
+        ) -> Any:
+            async def checked_handler(connection: ServerConnection) -> None:
+                received = connection.recv
 
-            async def recv(self, decode: bool | None = None) -> Any:  # noqa: FBT001 (websockets' signature)
-                while (message := guard.checked(await super().recv(decode))) is None:
-                    pass
-                return message
+                async def recv(decode: bool | None = None) -> Any:  # noqa: FBT001 (websockets' signature)
+                    """What a control or a camera can have sent; all else is as if it had not been sent."""
+                    while (message := guard.checked(await received(decode))) is None:
+                        pass
+                    return message
 
-        def guarded(*given: Any, process_request: Callable[..., Response | None], **options: Any) -> Any:
+                vars(connection)["recv"] = recv
+                await handler(connection)
+
             def checked_request(connection: ServerConnection, request: Request) -> Response | None:
                 token, _, inside = request.path.removeprefix("/").partition("?")[0].partition("/")
                 if problem := self._problem(request, token):
                     return connection.respond(HTTPStatus.FORBIDDEN, f"{problem}\n")
                 return process_request(connection, replace(request, path=f"/{inside}"))
 
-            options |= {"max_size": LARGEST_MESSAGE, "create_connection": Connection, "logger": silent}
+            options |= {"max_size": LARGEST_MESSAGE, "logger": silent}
             self._is_guarded = True
-            return serve(*given, process_request=checked_request, **options)
+            return serve(checked_handler, *given, process_request=checked_request, **options)
 
         module["serve"] = guarded
         try:
@@ -169,11 +174,9 @@ def names_this_machine(header: str, listens: str) -> bool:
         return False
     if name in {"localhost", listens.lower()}:
         return True
-    only_local = listens == "localhost" or _is_loopback(listens) is True
-    loopback = _is_loopback(name)
-    if loopback is None:
-        return not only_local and name == socket.gethostname().lower()
-    return loopback or not only_local
+    if listens == "localhost" or _is_loopback(listens):
+        return _is_loopback(name) is True
+    return _is_loopback(name) is not None or name == socket.gethostname().lower()
 
 
 def _is_loopback(host: str) -> bool | None:

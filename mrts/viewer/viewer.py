@@ -20,7 +20,7 @@ from mrts.viewer.controls import (
     ChangeControls,
     Later,
     Playback,
-    add_view_controls,
+    add_theme_switch,
     configure_theme,
     set_slider,
 )
@@ -61,7 +61,7 @@ class Viewer:
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
         assert not isinstance(answer.shown, MrtsError)  # noqa: S101 (a workbench begins with something to show)
         self.shown, self.sample = answer.shown, 0
-        stands = answer.state is None and not answer.message
+        stands = isinstance(answer.shown, HeldPoses) and not answer.shown.message
         self._todo: SimpleQueue[Any] = SimpleQueue()
         later, gui = self._todo.put, server.gui
         self._scene = ViewerScene(server, answer.shown.scene, urdfs, warn)
@@ -94,10 +94,7 @@ class Viewer:
         if self.bench is not None:
             with tabs.add_tab("Change"):
                 self._changes = ChangeControls(gui, self.bench, later)
-        with tabs.add_tab("View"):
-            if not stands:
-                self.playback.add_pace(gui)
-            add_view_controls(gui, self._scene, later)
+        add_theme_switch(gui, self._scene, later)
 
     @property
     def state(self) -> PlayerState | None:

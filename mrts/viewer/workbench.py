@@ -48,13 +48,6 @@ class Answer:
         near = near.at_speed(self.state.trajectory.c)
         return near, near.remarks()
 
-    @property
-    def message(self) -> str:
-        """Why the motion cannot be played; empty if it can, or none was given."""
-        if isinstance(self.shown, MrtsError):
-            return str(self.shown)
-        return self.shown.message if isinstance(self.shown, HeldPoses) else ""
-
 
 def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
     """Find what follows from choices, at the first choice of speed."""

@@ -76,7 +76,10 @@ def test_an_infeasible_motion_is_an_outcome(tmp_path):
     ("words", "said"),
     [
         (["scael"], "No such command 'scael'. Did you mean 'scale'? ('mrts --help' has "),
-        (["scale", "--closur", "x"], "No such option '--closur'. Did you mean '--closure'? ('mrts scale --help' has "),
+        (
+            ["scale", "--distribut", "x"],
+            "No such option '--distribut'. Did you mean '--distribute'? ('mrts scale --help' has ",
+        ),
         (["scale", "cell.yaml", "lift.yaml", "--plot", ""], "--plot: must not be empty: name a file or a folder."),
         (["scale", "c.yaml", "m.yaml", "--save", "a.npz", "--save", "b.npz"], "--save: is given twice."),
         (["new", "x", "--mass", "heavy"], "Invalid value for '--mass': 'heavy' is not a valid float ('mrts new --he"),
@@ -119,6 +122,7 @@ def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message
         (["scale", *map(str, FILES), "--csv", "plan.csv", "--sample-rate", "nan"], "--sample-rate = nan: must be"),
         (["scale", *map(str, FILES), "--csv", "plan.csv", "--sample-rate", "1e12"], "--sample-rate = 1000000000000.0"),
         (["simulate", *map(str, FILES)], "PLAN = '"),
+        (["view", *map(str, FILES), "--video", "lift.avi"], "--video = 'lift.avi': must end in .gif or .mp4."),
         (["report", str(FILES[0])], "RESULT = '"),
         (["export", str(FILES[0]), "-o", "library", "--plan", "plan.csv"], "--plan = 'plan.csv': must end in .npz."),
     ],

@@ -36,7 +36,6 @@ DOCS = ROOT / "docs"
         pytest.param("studies", 7, marks=pytest.mark.slow),
         pytest.param("limits", 1, marks=pytest.mark.slow),
         pytest.param("what_if", 2, marks=pytest.mark.slow),
-        pytest.param("study_file", 2, marks=pytest.mark.slow),
         ("extending", 1),
     ],
 )
