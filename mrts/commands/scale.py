@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`mrts scale`."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
