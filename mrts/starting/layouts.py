@@ -16,6 +16,7 @@ from mrts.base.rigid_transform import (
     snap_rotation,
     vectors_from_rotations,
 )
+from mrts.following.tracking import nearest_turns
 from mrts.starting.arm import Arm, ArmState, twist_rows
 from mrts.starting.request import LIFT, Request
 
@@ -295,20 +296,13 @@ def _settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int)
         step = apply(J.transpose(0, 2, 1), np.linalg.solve(square, error[:, :, None])[:, :, 0])
         q += step * LONGEST_STEP / np.max(np.abs(step), axis=1, keepdims=True, initial=LONGEST_STEP)
     near = np.max(np.abs(_error(arm.at(q), R, p)[:, rows]), axis=1) <= REACHED
-    q = _unwound(arm, q)
+    q = nearest_turns(arm.robot, q, arm.middle())
     inside = np.all((q >= arm.robot.position_lower) & (q <= arm.robot.position_upper), axis=1)
     return q, near & inside
 
 
 def _error(state: ArmState, R: Array, p: Array) -> Array:
     return np.concatenate([p - state.p, vectors_from_rotations(R @ state.R.transpose(0, 2, 1))], axis=1)
-
-
-def _unwound(arm: Arm, q: Array) -> Array:
-    """The same positions of turning joints, as near to the middle as whole turns bring them."""
-    turns = arm.robot.turns
-    middle = arm.middle()
-    return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
 
 
 def _half_range(arm: Arm) -> Array:

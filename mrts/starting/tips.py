@@ -35,6 +35,9 @@ BARE = frozenset({"link", "base", "frame", "rubber", "stator", "left", "right", 
 WHOLE_NAMES = 2
 """From this rank on, other words than `BARE` say that it is something else."""
 
+BESIDE = BARE.union(*(name for kinds in TOOLS[WHOLE_NAMES:] for name in kinds))
+"""Words that may stand in such a name."""
+
 
 def words(name: str) -> list[str]:
     """The words of a name, in small letters: `LArm_effector` has l, arm, effector."""
@@ -105,15 +108,10 @@ def _candidates(tree: Urdf) -> list[str]:
 def _rank(link: str) -> int | None:
     given = {*words(link)}
     for rank, names in enumerate(TOOLS):
-        beside = any(name <= given and (rank < WHOLE_NAMES or given - name <= _beside(name)) for name in names)
+        beside = any(name <= given and (rank < WHOLE_NAMES or given - name <= BESIDE) for name in names)
         if beside:
             return rank
     return None
-
-
-def _beside(name: set[str]) -> frozenset[str]:
-    others = {word for kinds in TOOLS[WHOLE_NAMES:] for kind in kinds for word in kind}
-    return BARE | (others - name)
 
 
 def _limbs(tree: Urdf, links: list[str]) -> list[list[str]]:

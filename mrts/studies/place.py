@@ -20,6 +20,7 @@ from mrts.base.errors import InputError, MotionError, MrtsError, SolverError
 from mrts.base.held_interrupt import held_interrupt
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
+from mrts.base.words import aligned
 from mrts.cell.number_paths import value_at
 from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
@@ -167,12 +168,10 @@ class Placement:
             if end is not None and end.time is not None:
                 yield f"{word} {end.place()}"
         yield ""
-        rows = self.moved()
-        width = max(len(path) for path, *_ in rows)
-        yield f"{'what may move':<{width}} {'before':>12} {'after':>12}"
-        for path, unit, was, value in rows:
-            now = "stays" if value == was else f"{value:.6g}"
-            yield f"{path:<{width}} {was:>12.6g} {now:>12} {unit}".rstrip()
+        rows = [("what may move", "before", "after", "")]
+        for path, unit, was, value in self.moved():
+            rows.append((path, f"{was:.6g}", "stays" if value == was else f"{value:.6g}", unit))
+        yield from aligned(rows)
         yield ""
         yield from (remark.text for remark in after.collisions)
 
