@@ -171,7 +171,7 @@ class TrackedVariants:
 
     Attributes:
         robots: Their arms.
-        time: Shape (V or 1, N) [s].
+        time: Shape (V, N) [s].
         q: Shape (V, N, m) [rad or m], inside the limits where whole turns do it; likewise `dq` and `ddq`. Of an arm
             that fails, what was found before.
         dq: q'.
@@ -198,7 +198,7 @@ class TrackedVariants:
         code, sample, joint, _, amounts = self.outcome[variant, arm].tolist()
         if code not in WORDINGS:
             return None
-        return tracking_failure(code, self.robots[arm], _of(self.time, variant), sample, amounts, joint)
+        return tracking_failure(code, self.robots[arm], self.time[variant], sample, amounts, joint)
 
     def failure(self, variant: int) -> TrackingFailure | None:
         """Why a variant cannot follow: of the first arm that ends on the way, or else passes a limit."""
@@ -288,7 +288,8 @@ def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVarian
     rule = tracking_rule(cell)
     rule.start_steps = 0
     found = follow_variants(cell.functions.motion_library, rule, np.zeros(len(start), dtype=bool), given)
-    return TrackedVariants(cell.robots, path["time"], *found, {})
+    time = np.broadcast_to(path["time"], (len(start), len(motion.time)))
+    return TrackedVariants(cell.robots, time, *found, {})
 
 
 def track_variants(
@@ -313,11 +314,12 @@ def track_variants(
             beyond = beyond | (distance[0] > longest + CLEARLY)
     nothing = np.zeros((1, 0, posture.shape[1]))
     found = follow_variants(library, rule, refused | beyond, {**given, "further": nothing})
-    tracked = TrackedVariants(cell.robots, path["time"], *found, {})
+    time = np.broadcast_to(path["time"], (len(refused), path["time"].shape[1]))
+    tracked = TrackedVariants(cell.robots, time, *found, {})
     failed = np.flatnonzero(~refused & ~tracked.followed)
     if not failed.size:
         return tracked
-    tracked.reasons.update(_reasons(cell, path, geometry, failed))
+    tracked.reasons.update(_reasons(cell, path, geometry, time, failed))
     code = tracked.outcome["code"]
     may_start = np.any((code == tracking.NO_START) | (code == tracking.START_PAST), axis=1)
     may_start[list(tracked.reasons)] = False
@@ -333,7 +335,9 @@ def track_variants(
     return tracked
 
 
-def _reasons(cell: Cell, path: Mapping[str, Array], geometry: Array, failed: NDArray[np.intp]) -> dict[int, str]:
+def _reasons(
+    cell: Cell, path: Mapping[str, Array], geometry: Array, time: Array, failed: NDArray[np.intp]
+) -> dict[int, str]:
     """By variant of those that failed, why it is surely out of reach: of the first arm that is."""
     reasons: dict[int, str] = {}
     some = {name: _some(path[name], failed) for name in ("position", "rotation")}
@@ -341,12 +345,12 @@ def _reasons(cell: Cell, path: Mapping[str, Array], geometry: Array, failed: NDA
         of_failed = np.broadcast_to(distance, (len(distance), len(failed))).T
         for variant, own in zip(failed.tolist(), of_failed, strict=True):
             sample = int(np.argmax(own))
-            far, time = float(own[sample]), _of(path["time"], variant)[sample]
+            far, at = float(own[sample]), f"sample {sample} (t = {time[variant, sample]:.6g} s)"
             if far > longest + CLEARLY:
                 why = (
-                    f"robot '{robot.name}' cannot reach its grasp at sample {sample} (t = {time:.6g} s): its wrist "
-                    f"would be {far:.6g} m from its shoulder and reaches {longest:.6g} m: {far - longest:.3g} m too "
-                    "far. Move the path, the base or the grasp."
+                    f"robot '{robot.name}' cannot reach its grasp at {at}: its wrist would be {far:.6g} m from its "
+                    f"shoulder and reaches {longest:.6g} m: {far - longest:.3g} m too far. Move the path, the base or "
+                    "the grasp."
                 )
                 reasons.setdefault(variant, why)
     return reasons
@@ -386,11 +390,6 @@ def further_starts(robot: Robot, posture: Array) -> Array:
 def _some(values: Array, variants: NDArray[np.intp]) -> Array:
     """What some variants have of values with V or 1 first."""
     return values if len(values) == 1 else values[variants]
-
-
-def _of(values: Array, variant: int) -> Array:
-    one: Array = values[variant if len(values) > 1 else 0]
-    return one
 
 
 def nearest_turns(robot: Robot, q: Array, posture: Array) -> Array:

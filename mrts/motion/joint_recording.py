@@ -129,26 +129,23 @@ def _stamps(messages: list[tuple[int, Any]]) -> NDArray[np.int64]:
     return stamps if np.all(stamps > 0) else np.array([stamp for stamp, _ in messages], dtype=np.int64)
 
 
-def _rows(stamps: NDArray[np.int64], messages: list[Any]) -> dict[str, list[tuple[int, float, float]]]:
-    """Stamp, position and effort of every joint; no number where a message has none.
+def _rows(stamps: NDArray[np.int64], messages: list[Any]) -> dict[str, list[tuple[float, ...]]]:
+    """Stamp [ns], position and effort of every joint; no number where a message has none.
 
     A message may have some of the joints, in any order.
     """
-    rows: dict[str, list[tuple[int, float, float]]] = {}
+    rows: dict[str, list[tuple[float, ...]]] = {}
     for stamp, message in zip(stamps.tolist(), messages, strict=True):
-        position, effort = (
-            values.tolist() if len(values) == len(message.name) else [np.nan] * len(message.name)
-            for values in (message.position, message.effort)
-        )
-        for place, joint in enumerate(message.name):
-            rows.setdefault(joint, []).append((stamp, position[place], effort[place]))
+        none = [np.nan] * len(message.name)
+        given = (of if len(of) == len(none) else none for of in (message.position, message.effort))
+        for joint, *values in zip(message.name, *given, strict=True):
+            rows.setdefault(joint, []).append((stamp, *values))
     return rows
 
 
-def _joint(path: Path, topic: str, joint: str, rows: list[tuple[int, float, float]]) -> RecordedJoint:
-    stamps = np.array([stamp for stamp, _, _ in rows], dtype=np.int64)
-    values = np.array([row[1:] for row in rows], dtype=np.float64)
-    for part, column in zip(("position", "effort"), values.T, strict=True):
+def _joint(path: Path, topic: str, joint: str, rows: list[tuple[float, ...]]) -> RecordedJoint:
+    stamps, *values = np.array(rows, dtype=np.float64).T
+    for part, column in zip(("position", "effort"), values, strict=True):
         if np.all(np.isnan(column)):
             raise InputError(path, f"no message holds one; {part}s are needed.", key=f"{topic}, {part} of {joint}")
         wrong = np.flatnonzero(~(np.abs(column) <= LARGEST_NUMBER))
@@ -162,4 +159,4 @@ def _joint(path: Path, topic: str, joint: str, rows: list[tuple[int, float, floa
     new = np.concatenate([[True], np.diff(stamps) > 0])
     if np.count_nonzero(new) < 2:  # noqa: PLR2004 (start and end)
         raise InputError(path, "one message is no motion.", key=f"{topic}, {joint}")
-    return RecordedJoint(stamps[new] / NANOSECONDS, *values[new].T)
+    return RecordedJoint(*(of[new] for of in (stamps / NANOSECONDS, *values)))

@@ -199,14 +199,13 @@ def _trajectories(path: Path, topic: str | None) -> dict[str, list[Any]]:
         found = {topic: found[topic]}
     listed = {name: [message for _, message in messages] for name, messages in found.items()}
     played = {name: messages for name, messages in listed.items() if messages[0].__msgtype__ == KIND}
+    # what is displayed may hold several
     return played or {
-        name: [_of_joints(path, name, part) for message in messages for part in _parts(message)]
+        name: [
+            _of_joints(path, name, part) for message in messages for part in getattr(message, "trajectory", [message])
+        ]
         for name, messages in listed.items()
     }
-
-
-def _parts(message: Any) -> list[Any]:
-    return list(message.trajectory) if message.__msgtype__ == OF_MOVEIT[1] else [message]
 
 
 def _of_joints(path: Path, topic: str, planned: Any) -> Any:

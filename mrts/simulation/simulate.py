@@ -3,7 +3,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from types import NoneType
 from typing import Any
@@ -377,10 +377,6 @@ class ReserveSearch:
                 "all are kept when the controller of `mrts simulate` plays the plan"
             )
         yield from map(str, self.tried)
-
-    def to_json(self) -> list[dict[str, Any]]:
-        """The plans; null stands for what there is not."""
-        return [asdict(each) for each in self.tried]
 
 
 def least_reserve(
