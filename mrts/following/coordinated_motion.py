@@ -96,30 +96,14 @@ class CoordinatedMotion:
         return any(remark.code == UNTIMED for remark in self.remarks)
 
     def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
-        """Some samples, at least two, by themselves; their time only counts them.
-
-        Args:
-            samples: Which, Shape (k,).
-
-        Raises:
-            InputError: If they are too few, or the motion has no such sample.
-        """
-        chosen = np.asarray(samples)
-        if (
-            chosen.ndim != 1
-            or len(chosen) < 2  # noqa: PLR2004 (two ends)
-            or chosen.dtype.kind not in "iu"
-            or not -self.samples <= np.min(chosen) <= np.max(chosen) < self.samples
-        ):
-            rule = f"must be two or more whole numbers below {self.samples}, one a sample that is taken."
-            raise InputError("samples", rule, value=samples)
+        """Some samples, at least two, Shape (k,), by themselves; their time only counts them."""
         of = self.object
         some = unchecked_object_motion(
-            np.arange(len(chosen), dtype=np.float64),
-            *[values[chosen] for values in (of.position, of.rotation, of.twist, of.acceleration)],
+            np.arange(len(samples), dtype=np.float64),
+            *[values[samples] for values in (of.position, of.rotation, of.twist, of.acceleration)],
         )
-        travel = None if self.travel is None else self.travel[:, chosen]
-        return unchecked_coordinated_motion(some, self.q[chosen], self.dq[chosen], self.ddq[chosen], travel)
+        travel = None if self.travel is None else self.travel[:, samples]
+        return unchecked_coordinated_motion(some, self.q[samples], self.dq[samples], self.ddq[samples], travel)
 
     def inputs(self, load: Array) -> dict[str, Array]:
         """Inputs of the generated functions of a moving sample.
