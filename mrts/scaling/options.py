@@ -23,7 +23,7 @@ from mrts.program.rate_limits import RateLimits
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import torque_weights
 
-Selection = Literal["auto", "fastest", "nominal"] | float
+Selection = Literal["auto", "fastest"] | float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,10 +69,11 @@ class Options(EqualByNumbers):
         Raises:
             InputError: If one breaks a rule, or they do not go together.
         """
-        names = ("auto", "fastest", "nominal")
-        known = self.select in names if isinstance(self.select, str) else isinstance(self.select, int | float)
+        known = (
+            self.select in {"auto", "fastest"} if isinstance(self.select, str) else isinstance(self.select, int | float)
+        )
         if not known or isinstance(self.select, bool):
-            raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=self.select)
+            raise InputError("select", "must be 'auto', 'fastest' or a number.", value=self.select)
         check_type("sharing", self.sharing, LoadSharing, NoneType)
         check_type("distribute", self.distribute, str)
         if self.distribute not in DISTRIBUTIONS:

@@ -77,8 +77,7 @@ def scale(
     Args:
         cell: The cell.
         motion: Motion of the object, a table of joint motion, or motion of the whole cell.
-        select: "fastest" takes c²⁺, "nominal" takes 1, a number takes itself; "auto" is "fastest", or "nominal"
-            where nothing limits the speed.
+        select: "fastest" takes c²⁺, a number takes itself; "auto" is "fastest", or 1 where nothing limits the speed.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: "wrench", or the paper's "torque".
         weights: W of the quadratic program: None weighs each torque by its limit, diag(1 / τ̂²), so that weak joints are
@@ -267,18 +266,17 @@ def choose_c2(
     assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
     high = found.upper.c2
     unlimited = found.status is RangeStatus.UNBOUNDED
-    if select == "auto":
-        select = "nominal" if unlimited else "fastest"
-    if select == "fastest":
+    if select == "auto" and unlimited:
+        select = 1.0
+    if isinstance(select, str):
         if unlimited:
             raise SelectionError(f"no limit depends on the speed: c² ∈ {found.text(digits=6)}. Choose a value.")
         if high <= 0:
             still = f"c² ∈ {found.text(digits=6)}: the cell can only hold still."
             raise SelectionError(f"{still} The upper end is set {found.upper.place()}.")
         return high
-    given = 1.0 if isinstance(select, str) else select
-    too_large = abs(given) > sys.float_info.max  # Python's whole numbers have no end
-    c2 = float("inf" if given > 0 else "-inf") if too_large else float(given)
+    too_large = abs(select) > sys.float_info.max  # Python's whole numbers have no end
+    c2 = float("inf" if select > 0 else "-inf") if too_large else float(select)
     interval = found.text(digits=6)
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")

@@ -43,8 +43,7 @@ def test_weak_joints_are_spared_unless_all_weigh_alike(dual_ur5):
     turning = mrts.load_motion(UR5 / "lift_and_turn.yaml")
     limits = np.concatenate([robot.torque_upper for robot in dual_ur5.robots])
     by_limits, alike, ones = (
-        mrts.scale(dual_ur5, turning, "nominal", weights=weights).trajectory.torque
-        for weights in (None, 1, np.ones(12))
+        mrts.scale(dual_ur5, turning, 1.0, weights=weights).trajectory.torque for weights in (None, 1, np.ones(12))
     )
     np.testing.assert_array_equal(alike, ones)
     used = [np.max(np.abs(torque) / limits, axis=0) for torque in (by_limits, alike)]
