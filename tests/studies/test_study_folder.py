@@ -6,6 +6,7 @@ import sys
 
 import pyarrow.parquet as pq
 import pytest
+from own_limits import tenth
 from study_files import planar_study
 
 import mrts
@@ -81,10 +82,12 @@ def test_a_damaged_part_is_dropped_and_said(damage, complete, study, caplog):
     assert folder.chunk == CHUNK
 
 
-def test_a_changed_study_is_refused_with_what_differs(complete, tmp_path):
+def test_a_changed_study_is_refused_with_what_differs(complete, study, tmp_path):
     for changed, said in ((VARY.replace("24", "24.000001"), "vary"), (f"{VARY}\nreserve: 0.1", "question")):
         with pytest.raises(mrts.InputError, match=rf"out: holds another study, which differs in {said}"):
             opened(complete.path, planar_study(tmp_path, changed))
+    with pytest.raises(mrts.InputError, match="out: holds another study, which differs in limits"):
+        opened(complete.path, study.with_limits(tenth))
     assert len(complete.parts()) == 3
 
 
