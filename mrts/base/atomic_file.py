@@ -68,7 +68,7 @@ def write_together(files: Mapping[Path, Write], *, private: bool = False) -> Non
     with ExitStack() as stack:
         filled: list[tuple[Path, Path | None, Write]] = []
         for given, write in files.items():
-            path = given.absolute() if private else _resolved(given)
+            path = given.absolute() if private else resolved_path(given)
             with told_of(path):
                 temporary = None if _is_special(path) else stack.enter_context(_temporary_file(path))
                 if temporary is not None:
@@ -115,7 +115,7 @@ def make_folder_atomically(folder: Path, make: Write) -> None:
     Raises:
         InputError: If it cannot be made; then no other folder has been made either.
     """
-    folder = _resolved(folder)
+    folder = resolved_path(folder)
     with (
         told_of(folder),
         _made(folder.parent),
@@ -132,7 +132,7 @@ def check_writable(path: Path) -> None:
     Raises:
         InputError: If it cannot.
     """
-    target = _resolved(path)
+    target = resolved_path(path)
     with told_of(target):
         if _is_special(target):
             return  # to open it may wait for a reader
@@ -140,7 +140,8 @@ def check_writable(path: Path) -> None:
             pass
 
 
-def _resolved(path: Path) -> Path:
+def resolved_path(path: Path) -> Path:
+    """Where a file is that is to be written, links followed."""
     try:
         return path.resolve()
     except (OSError, RuntimeError, ValueError) as error:

@@ -112,16 +112,6 @@ class Manifest(ChainsRecord):
 
     cell: Any
 
-    @property
-    def wrench_components(self) -> tuple[str, ...]:
-        """Names of the components of a contact wrench."""
-        return tuple(self.cell.wrench_components)
-
-    @property
-    def robots(self) -> tuple[Any, ...]:
-        """The arms."""
-        return tuple(self.cell.robots)
-
 
 def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:
     """Check that a C text is the one that a manifest describes."""

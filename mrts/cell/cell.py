@@ -372,7 +372,7 @@ def _check_placement(cell: Cell) -> None:
 
 def _check_machines(cell: Cell) -> None:
     """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
-    arms = zip(cell.robots, cell.functions.manifest.robots, strict=True)
+    arms = zip(cell.robots, cell.functions.manifest.cell.robots, strict=True)
     for (one, one_made), (other, other_made) in combinations(arms, 2):
         first, second = one_made.source, other_made.source
         if first.sha256 != second.sha256:
@@ -398,5 +398,5 @@ def _check_machines(cell: Cell) -> None:
 
 def _changed(cell: Cell) -> Iterator[tuple[Robot, Robot]]:
     """Robots that are others than those generated, with these."""
-    pairs = zip(cell.robots, cell.functions.manifest.robots, strict=False)
+    pairs = zip(cell.robots, cell.functions.manifest.cell.robots, strict=False)
     return ((robot, generated) for robot, generated in pairs if robot is not generated)

@@ -11,7 +11,7 @@ import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import without_infinity
-from mrts.base.atomic_file import write_text_atomically
+from mrts.base.atomic_file import resolved_path, write_text_atomically
 from mrts.base.errors import InputError, joined
 from mrts.base.formats.file_reference import is_uri
 from mrts.base.formats.pose import Pose
@@ -168,7 +168,7 @@ def _given(where: str, description: type[Record], key: str, value: object) -> An
 
 def cell_text(cell: Cell, path: Path | str | None) -> str:
     """See `mrts.Cell.to_yaml`."""
-    target = None if path is None else as_path("path", path)
+    target = None if path is None else resolved_path(as_path("path", path))
     where = Path(f"cell '{cell.name}'")
     for key, rule in _NOT_IN_FILES.items():
         if getattr(cell, key) != getattr(Cell, key):
@@ -179,16 +179,13 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
             "cell file: mrts.load_cell(path)."
         )
         raise InputError(where, rule, key="folder")
-    try:
-        beside = None if target is None else target.resolve().parent
-    except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL
-        raise InputError("path", "is no path of a file.", value=str(path)) from None
+    beside = None if target is None else target.parent
     text = yaml_text(_written(cell, cell.folder, beside))
     model = described_model(parse_yaml(text), beside or cell.folder, str(where))
     _check_same(where, cell, model.record)
     if target is not None:
-        files = (reference.path(where, target.resolve().parent) for reference in model.description.references.values())
-        if any(file.resolve() == target.resolve() for file in files):
+        files = (reference.path(where, target.parent) for reference in model.description.references.values())
+        if any(file.resolve() == target for file in files):
             raise InputError(target, "is a file that the cell names, its URDF or mesh. Choose another name.")
         write_text_atomically(target, text)
     return text

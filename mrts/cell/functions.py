@@ -115,7 +115,7 @@ def _compiled(manifest: CellManifest, generated: str) -> CellLibrary:
     @cache
     def seldom(name: str) -> CDLL:
         symbol = manifest.functions[name].symbol
-        library = compiled_library(symbol, function_source(generated, symbol), _opened)
+        library = compiled_library(symbol, function_source(generated, symbol), lambda path: CDLL(str(path)))
         return _checked(manifest, library, [name])
 
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
@@ -135,10 +135,6 @@ def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) ->
         if string_at(addressof(compiled)) != record.signature.encode():
             raise InputError("", f"the compiled function has other shapes. {MAKE_AGAIN}", key=f"functions.{name}")
     return library
-
-
-def _opened(library: Path) -> CDLL:
-    return CDLL(str(library))
 
 
 def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> CellFunctions:

@@ -233,7 +233,7 @@ def verified_manifest(where: Path | str, text: str) -> CellManifest:
         raise InputError(
             where, "was edited after it was generated. Change the cell file and run `mrts generate` again."
         )
-    redundant = any(len(robot.joints) > len(manifest.wrench_components) for robot in manifest.robots)
+    redundant = any(len(robot.joints) > len(manifest.cell.wrench_components) for robot in manifest.cell.robots)
     for short in (*ALWAYS_GENERATED, *(FOR_REDUNDANT_ARMS if redundant else ())):
         if short not in manifest.functions:
             raise InputError(where, f"its functions must include '{short}'.", key="functions")

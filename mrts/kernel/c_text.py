@@ -82,13 +82,13 @@ def smooth_source() -> str:
 def motion_macros(manifest: Manifest) -> dict[str, int | str]:
     """Sizes of a cell and its generated functions, as far as the motion of its joints takes them."""
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
-    components, joints = len(manifest.wrench_components), [len(robot.joints) for robot in manifest.robots]
+    components, joints = len(manifest.cell.wrench_components), [len(robot.joints) for robot in manifest.cell.robots]
     first = list(accumulate(joints, initial=0))
     macros: dict[str, int | str] = {
         "MRTS_JOINTS": first[-1],
         "MRTS_FIRST_JOINTS": f"{{{', '.join(map(str, first))}}}",
         "MRTS_MOST_JOINTS": max(joints),
-        "MRTS_ROBOTS": len(manifest.robots),
+        "MRTS_ROBOTS": len(manifest.cell.robots),
         "MRTS_SIZE": components,
         "MRTS_KINEMATICS": symbol["kinematics"],
         "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
@@ -116,15 +116,15 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     head, functions = _functions(generated)
     seldom = {record.symbol for name, record in manifest.functions.items() if name in (*SELDOM, "wrench_form")}
     often = head + "".join(text for symbol, text in functions.items() if symbol not in seldom)
-    components = len(manifest.wrench_components)
+    components = len(manifest.cell.wrench_components)
     sizes = [rows * columns for rows, columns in manifest.functions["wrench_form"].inputs.values()]
     macros: dict[str, int | str] = {
-        "MRTS_WRENCHES": components * len(manifest.robots),
+        "MRTS_WRENCHES": components * len(manifest.cell.robots),
         "MRTS_INPUTS": len(sizes),
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
         "MRTS_INPUT_NUMBERS": sum(sizes),
         "MRTS_GEOMETRY_NUMBERS": [*manifest.functions["kinematics"].inputs.values()][-1][0],
-        "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
+        "MRTS_UNKNOWNS": components * (len(manifest.cell.robots) - 1) + 1,
     }
     in_lanes = {name: manifest.functions[name].symbol for name in IN_LANES}
     macros |= {f"MRTS_{name.upper()}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
@@ -141,10 +141,10 @@ def function_source(generated: str, symbol: str) -> str:
 
 def override_source(manifest: Manifest, generated: str) -> str:
     """The C text of a library that plays a cell's plans: the exported one, and what Python calls."""
-    components, record = len(manifest.wrench_components), manifest.functions["played_torques"]
+    components, record = len(manifest.cell.wrench_components), manifest.functions["played_torques"]
     macros: dict[str, int | str] = {
-        "CELL_JOINTS": sum(len(robot.joints) for robot in manifest.robots),
-        "CELL_WRENCHES": components * len(manifest.robots),
+        "CELL_JOINTS": sum(len(robot.joints) for robot in manifest.cell.robots),
+        "CELL_WRENCHES": components * len(manifest.cell.robots),
         "CELL_LOAD": len(LOAD_ENTRIES),
         "CELL_GEOMETRY": 1,
         "CELL_MOTORS": 1,

@@ -93,8 +93,8 @@ class CellLibrary:
         keep_freed_memory()
         self.opened = bind(ctypes.CDLL(str(library)), TRACKING_FILES if motion_only else CELL_FILES)
         self.records, self._seldom = manifest.functions, seldom
-        self.robots, components = len(manifest.robots), len(manifest.wrench_components)
-        self.joints = sum(len(robot.joints) for robot in manifest.robots)
+        self.robots, components = len(manifest.cell.robots), len(manifest.cell.wrench_components)
+        self.joints = sum(len(robot.joints) for robot in manifest.cell.robots)
         self.unknowns, self.wrenches = components * (self.robots - 1) + 1, components * self.robots
         if not motion_only:
             offer_programs(Programs(self.opened))

@@ -33,7 +33,7 @@ def as_if_generated(cell, **changes):
 def renamed(cell, name, robots, joints):
     """The cell as if it had been generated with other names, as no cell file could give them."""
     records = []
-    for robot, other in zip(cell.functions.manifest.robots, robots, strict=True):
+    for robot, other in zip(cell.functions.manifest.cell.robots, robots, strict=True):
         records.append(replace(robot, name=other, joints=joints))
     return as_if_generated(cell, name=name, robots=tuple(records))
 
