@@ -112,24 +112,13 @@ class ObjectDescription(Record):
         return problem and f"its inertia {problem}"
 
 
-class FrictionDescription(Record):
-    """Friction on the joint side; what is absent is none.
-
-    Attributes:
-        coulomb: [N m, N for prismatic joints].
-        viscous: [N m s/rad, N s/m].
-    """
-
-    coulomb: PerJoint = 0.0
-    viscous: PerJoint = 0.0
-
-
 class MotorsDescription(Record):
     """Motors of one arm, on the joint side of their gears; see docs/cell_file.md.
 
     Attributes:
         armature: Rotor inertia times gear ratio squared [kg m², kg].
-        friction: None takes the <dynamics> of the URDF, 'none' ignores them.
+        friction: `coulomb` [N m, N] and `viscous` [N m s/rad, N s/m], what is absent is none; None takes the
+            <dynamics> of the URDF, 'none' ignores them.
         torque_speed: Corners |q̇|, |τ|: one curve for all joints, or one a joint, null where there is none.
         torque_rate: [N m/s, N/s].
         jerk: [rad/s³, m/s³].
@@ -138,7 +127,7 @@ class MotorsDescription(Record):
     """
 
     armature: PerJoint | None = None
-    friction: FrictionDescription | Literal["none"] | None = None
+    friction: dict[Literal["coulomb", "viscous"], PerJoint] | Literal["none"] | None = None
     torque_speed: Curve | Annotated[list[Curve | None], Rule(min_length=1)] | None = None
     torque_rate: LimitPerJoint | None = None
     jerk: LimitPerJoint | None = None
@@ -227,8 +216,10 @@ def _motors(
     columns: dict[str, Any] = {}
     for name, value in given:
         if name == "friction" and value is not None:
-            friction = FrictionDescription() if value == "none" else value
-            columns |= {of: _per_joint(where, f"{key}.friction.{of}", each, joints) for of, each in friction}
+            given_of = {} if value == "none" else value
+            columns |= {
+                of: _per_joint(where, f"{key}.friction.{of}", given_of.get(of, 0.0), joints) for of in OF_FRICTION
+            }
         elif name == "torque_speed" and value is not None:
             one = value[0] is not None and not isinstance(value[0][0], list)
             curves = [value] * len(joints) if one else value
