@@ -35,7 +35,7 @@ from mrts.cell.cell_file import (
     read_cell_description,
     robot_values,
 )
-from mrts.cell.points import ArmPointLimit, ObjectRates, point_names
+from mrts.cell.points import RATES, ArmPointLimit, point_names, rate_limits
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, MeshSurface
 from mrts.cell.robot import Robot, RobotSource, check_plane_kept
 
@@ -160,8 +160,8 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         load=load_vector(carried.mass, np.zeros(3), inertia),
         load_box=None if carried.variation is None else LoadBox(carried.mass, inertia, carried.variation),
         power_limit=description.power,
-        object_velocity_limit=carried.velocity.limits,
-        object_acceleration_limit=carried.acceleration.limits,
+        object_velocity_limit=rate_limits(carried.velocity),
+        object_acceleration_limit=rate_limits(carried.acceleration),
         object_points=_named(path, "object.frames", carried.frames, "point"),
         carried=_named(path, "object.carries", carried.carries, "thing"),
         object_shape=carried.shape,
@@ -301,5 +301,5 @@ def _check_names(path: Path, key: str, names: Sequence[str], taken: Sequence[str
 
 def _named(path: Path, key: str, given: list[Any], default: str) -> tuple[Any, ...]:
     names = point_names(given, default)
-    _check_names(path, key, names, [*ObjectRates.model_fields])
+    _check_names(path, key, names, [*RATES])
     return tuple(one.model_copy(update={"name": name}) for one, name in zip(given, names, strict=True))

@@ -88,8 +88,8 @@ class ObjectDescription(Record):
     inertia: Annotated[list[Finite | Vector3], Rule(min_length=3, max_length=3)] | None = None
     shape: BodyShape | None = None
     variation: Variation | None = None
-    velocity: ObjectRates = ObjectRates()
-    acceleration: ObjectRates = ObjectRates()
+    velocity: ObjectRates = {}  # noqa: RUF012
+    acceleration: ObjectRates = {}  # noqa: RUF012
     frames: Annotated[list[PointLimit], Rule(max_length=MOST_POINTS)] = []  # noqa: RUF012 (each record has its own copies)
     carries: Annotated[list[CarriedThing], Rule(max_length=MOST_POINTS)] = []  # noqa: RUF012
 

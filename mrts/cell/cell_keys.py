@@ -25,7 +25,7 @@ from mrts.cell.cell_file import OF_ARM, POSES, CellDescription, ObjectDescriptio
 from mrts.cell.generation import described_model
 from mrts.cell.motors import RATINGS
 from mrts.cell.number_paths import Keys, find_keys, set_value
-from mrts.cell.points import LinkPointLimit, ObjectRates
+from mrts.cell.points import LinkPointLimit, ObjectRates, rate_limits
 from mrts.cell.record import BodyShape, CellManifest, CellRecord
 from mrts.cell.robot import Robot
 
@@ -124,7 +124,7 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
             case ("object", "velocity" | "acceleration" as key, *_):
                 rates: ObjectRates = _given("cell.object", ObjectDescription, key, keys["object"][key] or {})
-                changes[f"object_{key}_limit"] = rates.limits
+                changes[f"object_{key}_limit"] = rate_limits(rates)
             case ("robots", int(at), str(key), *_) if key in OF_ARM:
                 robot, given = cell.robots[at], keys["robots"][at][key]
                 where = f"robot '{robot.name}'"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What of the motion alone a cell file limits: the object, points of arms and object, things on the object."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -11,22 +11,15 @@ from mrts.base.formats.record import Record, Rule
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.cell.hands import SHORTEST_DIRECTION, contact_axes, numbered
 
+RATES = ("linear", "angular")
 
-class ObjectRates(Record):
-    """Limits of the velocity or the acceleration of the object's frame; what is absent is unbounded.
+ObjectRates = dict[Literal["linear", "angular"], Positive | None]
+"""Limits of the velocity or acceleration of the object's frame [m/s, rad/s or m/s², rad/s²]; absent is unbounded."""
 
-    Attributes:
-        linear: [m/s or m/s²].
-        angular: [rad/s or rad/s²].
-    """
 
-    linear: Positive | None = None
-    angular: Positive | None = None
-
-    @property
-    def limits(self) -> Array:
-        """Linear and angular, infinity where there is none, Shape (2,)."""
-        return np.array([self.linear or np.inf, self.angular or np.inf])
+def rate_limits(rates: ObjectRates) -> Array:
+    """Linear and angular, infinity where there is none, Shape (2,)."""
+    return np.array([rates.get("linear") or np.inf, rates.get("angular") or np.inf])
 
 
 class PointLimit(Record):
