@@ -65,52 +65,13 @@ BRAKE, PUSH = 0, 1
 AT_REST, AT_MOST = 0, 1
 
 
-@dataclass(frozen=True, kw_only=True)
-class Corners:
-    """What limits leave at n nodes of a plan, and wrenches in base axes.
-
-    Attributes:
-        motion: The plan at the nodes; its time is s, twice the same where the acceleration jumps.
-        most: Largest x, Shape (n,).
-        acceleration: Least and largest u, at rest and at the largest x, Shape (n, 2, 2) [1/s²].
-        active: Rows that set these, and what bounds the speed, as places in `names`, Shape (n, 5).
-        hold: Wrenches at u = 0, at rest and at the largest x, Shape (n, 2, n w).
-        accelerate: Wrenches at `acceleration`, Shape (n, 2, 2, n w).
-        names: What is active, "" first.
-        rate: Largest |u̇|, at rest and at the largest speed, Shape (n, 2) [1/s³].
-        rate_ahead: The least of these until u has become 0 again, Shape (n,) [1/s³].
-    """
-
-    motion: CoordinatedMotion
-    most: Array
-    acceleration: Array
-    active: NDArray[np.int16]
-    hold: Array
-    accelerate: Array
-    names: tuple[str, ...]
-    rate: Array
-    rate_ahead: Array
-
-    @property
-    def corners(self) -> list[tuple[Array, Array]]:
-        """Accelerations u and squared speeds x of the six points, each Shape (n,)."""
-        none, hardest = np.zeros_like(self.most), self.acceleration.reshape(-1, 4).T
-        return list(zip([none, none, *hardest], [none, self.most] * 3, strict=True))
-
-    def lowered(self, part: Array) -> "Corners":
-        """The same with a part of each acceleration, Shape (n, 2, 2), and the mixture of wrenches that goes with it."""
-        hold = self.hold[:, None]
-        accelerate = hold + part[..., None] * (self.accelerate - hold)
-        return replace(self, acceleration=part * self.acceleration, accelerate=accelerate)
-
-
 @dataclass(frozen=True)
 class Plan:
     """A plan in its own time.
 
     Attributes:
         cell: The cell with the limits as they are given, whatever reserve the plan kept.
-        motion: At n nodes; its time is s.
+        motion: At n nodes; its time is s, twice the same where the acceleration jumps.
         wrench: Planned contact wrenches in base axes, Shape (n, n w); None where they jump with the acceleration.
         sharing: A fixed distribution of the load.
         loads: Load vectors that it carries, each Shape (10,).
@@ -129,6 +90,44 @@ class Plan:
     keeps_reserve: bool
     most: Array
     has_speed_terms: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Corners:
+    """What limits leave at n nodes of a plan, and wrenches in base axes.
+
+    Attributes:
+        plan: The plan at the nodes.
+        acceleration: Least and largest u, at rest and at the largest x, Shape (n, 2, 2) [1/s²].
+        active: Rows that set these, and what bounds the speed, as places in `names`, Shape (n, 5).
+        hold: Wrenches at u = 0, at rest and at the largest x, Shape (n, 2, n w).
+        accelerate: Wrenches at `acceleration`, Shape (n, 2, 2, n w).
+        names: What is active, "" first.
+        rate: Largest |u̇|, at rest and at the largest speed, Shape (n, 2) [1/s³].
+        rate_ahead: The least of these until u has become 0 again, Shape (n,) [1/s³].
+    """
+
+    plan: Plan
+    acceleration: Array
+    active: NDArray[np.int16]
+    hold: Array
+    accelerate: Array
+    names: tuple[str, ...]
+    rate: Array
+    rate_ahead: Array
+
+    @property
+    def corners(self) -> list[tuple[Array, Array]]:
+        """Accelerations u and squared speeds x of the six points, each Shape (n,)."""
+        most, hardest = self.plan.most, self.acceleration.reshape(-1, 4).T
+        none = np.zeros_like(most)
+        return list(zip([none, none, *hardest], [none, most] * 3, strict=True))
+
+    def lowered(self, part: Array) -> "Corners":
+        """The same with a part of each acceleration, Shape (n, 2, 2), and the mixture of wrenches that goes with it."""
+        hold = self.hold[:, None]
+        accelerate = hold + part[..., None] * (self.accelerate - hold)
+        return replace(self, acceleration=part * self.acceleration, accelerate=accelerate)
 
 
 def trajectory_of(plan: ScalingResult | RetimingResult | ScaledTrajectory) -> ScaledTrajectory | None:
@@ -232,7 +231,7 @@ def divided(plan: Plan, segments: NDArray[np.intp], states: NDArray[Any]) -> Pla
 
 def reachable(corners: Corners, *, backwards: bool) -> Array:
     """Largest x at every node from which braking leads below it at all others, Shape (n,)."""
-    most, step = corners.most.copy(), np.diff(corners.motion.object.time)
+    most, step = corners.plan.most.copy(), np.diff(corners.plan.motion.object.time)
     for side, order in ((BRAKE, range(len(step) - 1, -1, -1)), *([(PUSH, range(len(step)))] if backwards else [])):
         least = BRAKES * np.min(np.abs(corners.acceleration[:, side]), axis=1)
         for k in order:
@@ -335,8 +334,7 @@ def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
     ends = [(side, end) for side in (BRAKE, PUSH) for end in (AT_REST, AT_MOST)]
     accelerate = np.stack([_wrench(plan, nominal, end, acceleration[:, side, end]) for side, end in ends], axis=1)
     return Corners(
-        motion=motion,
-        most=most,
+        plan=plan,
         acceleration=acceleration,
         active=active,
         hold=np.stack([nominal.wrenches(end) for end in (AT_REST, AT_MOST)], axis=1),

@@ -95,16 +95,15 @@ class PlayedTables:
         state: `cell_override` of the exported header.
     """
 
-    def __init__(
-        self, plan: Plan, corners: Corners, library: ctypes.CDLL, *, backwards: bool, keeps_rates: bool = False
-    ) -> None:
-        self.plan, self.corners, self.library = plan, corners, library
-        cell, motors = plan.cell, [robot.motors for robot in plan.cell.robots]
+    def __init__(self, corners: Corners, library: ctypes.CDLL, *, backwards: bool, keeps_rates: bool = False) -> None:
+        self.plan, self.corners, self.library = corners.plan, corners, library
+        plan, cell = corners.plan, corners.plan.cell
+        motors = [robot.motors for robot in plan.cell.robots]
         self.embedded = EmbeddedPlan(
-            nodes=_plan_nodes(cell, corners),
+            nodes=_plan_nodes(corners),
             limits=(*corners.names, RATES),
             backwards=backwards,
-            varies=bool(np.any(corners.most != 1)),
+            varies=bool(np.any(plan.most != 1)),
             keeps_rates=len(corners.names) if keeps_rates else 0,
             load=cell.load,
             armature=np.concatenate([motor.armature for motor in motors]),
@@ -129,7 +128,7 @@ class PlayedTables:
     def of(self, corners: Corners, *, keeps_rates: bool = False) -> "PlayedTables":
         """Other tables of the same plan."""
         backwards = self.embedded.backwards
-        return PlayedTables(self.plan, corners, self.library, backwards=backwards, keeps_rates=keeps_rates)
+        return PlayedTables(corners, self.library, backwards=backwards, keeps_rates=keeps_rates)
 
     def states(self, node: NDArray[Any], inside: Array, speed: Array, acceleration: Array) -> NDArray[Any]:
         """States at places after nodes [s], with speeds and accelerations, Shape (k,)."""
@@ -228,7 +227,7 @@ def _within_limits(plan: Plan, library: ctypes.CDLL, *, backwards: bool) -> Play
     """Tables with what they pass between nodes taken off: more nodes first, then limits inward, then accelerations."""
     margin = np.zeros(plan.motion.samples)
     for turn in range(ROUNDS):
-        tables = PlayedTables(plan, corners_of(plan, backwards=backwards, margin=margin), library, backwards=backwards)
+        tables = PlayedTables(corners_of(plan, backwards=backwards, margin=margin), library, backwards=backwards)
         # a plan without jumps has wrenches of its own
         planned = plan.wrench is not None and bool(np.all(plan.most == 1))
         chosen = np.arange(6) != (PLAYED if planned else -1)
@@ -316,7 +315,7 @@ def _levelled(corners: Corners, part: float, hold: Array) -> Corners:
 def _largest_changes(tables: PlayedTables, limits: RateLimits) -> Array:
     """Largest |u̇| at rest and at the largest speed, below 0 where rates are passed anyhow, Shape (n, 2)."""
     corners, rates = tables.corners, np.concatenate([limits.torque, limits.wrench, limits.jerk])
-    step = np.diff(corners.motion.object.time)
+    step = np.diff(corners.plan.motion.object.time)
     segment = np.flatnonzero(step)
 
     def changing(inside: Array, v: Array, u: Array) -> Array:
@@ -328,7 +327,7 @@ def _largest_changes(tables: PlayedTables, limits: RateLimits) -> Array:
         for place in RATE_PLACES:
             least, largest, most = (
                 of[segment] + place * (of[segment + 1] - of[segment])
-                for of in (corners.acceleration[:, 0, 0], corners.acceleration[:, 1, 0], corners.most)
+                for of in (corners.acceleration[:, 0, 0], corners.acceleration[:, 1, 0], corners.plan.most)
             )
             v, inside = of_speed * np.sqrt(most), place * step[segment]
             tried = (least, np.zeros_like(v), largest)
@@ -354,8 +353,8 @@ def _largest_changes(tables: PlayedTables, limits: RateLimits) -> Array:
 
 def _followed(corners: Corners, rate: Array, *, backwards: bool) -> Corners:
     """Corners whose accelerations a governor can follow with changes up to `rate`, Shape (n, 2)."""
-    time, least = corners.motion.object.time, np.maximum(np.min(rate, axis=1), 0.0)
-    count, fastest = len(time), float(np.sqrt(np.max(corners.most)))
+    time, least = corners.plan.motion.object.time, np.maximum(np.min(rate, axis=1), 0.0)
+    count, fastest = len(time), float(np.sqrt(np.max(corners.plan.most)))
     size = np.abs(corners.acceleration[:, :, 0])
     room, ahead = _until_none(np.max(size, axis=1), least, time / fastest)
     if backwards:
@@ -392,15 +391,16 @@ def _sizes(cell: Cell) -> tuple[int, int]:
     return len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
 
 
-def _plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
+def _plan_nodes(corners: Corners) -> NDArray[Any]:
     """The tables of a plan as C reads them, Shape (n,)."""
-    motion, axes = corners.motion, object_axes(cell, corners.motion)
+    cell, motion = corners.plan.cell, corners.plan.motion
+    axes = object_axes(cell, motion)
     nodes = np.zeros(motion.samples, override_type("cell_plan_node", *_sizes(cell)))
     for name in ("q", "dq", "ddq"):
         nodes[name] = getattr(motion, name)
     nodes["dq"][np.abs(nodes["dq"]) <= REST * np.max(np.abs(nodes["dq"]))] = 0.0  # friction is against the way ahead
-    nodes["time"] = motion.object.time
-    for name in ("most", "acceleration", "active", "rate", "rate_ahead"):
+    nodes["time"], nodes["most"] = motion.object.time, corners.plan.most
+    for name in ("acceleration", "active", "rate", "rate_ahead"):
         nodes[name] = getattr(corners, name)
     for name in ("hold", "accelerate"):
         given = getattr(corners, name)
