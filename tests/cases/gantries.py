@@ -62,6 +62,19 @@ def there_and_back(turn, samples=101, wait=0):
     return straight(time, x[order], v[order], a[order], smooth=False)
 
 
+def loop(time, turned, speed, rate, radius=0.5):
+    """The object around a vertical circle, its top inward, turned off the topmost place by so much at each time."""
+    none = np.zeros_like(time)
+    out = np.column_stack([np.sin(turned), np.cos(turned), none])
+    along = np.column_stack([np.cos(turned), -np.sin(turned), none])
+    twist, acceleration = np.zeros((2, len(time), 6))
+    twist[:, :3], twist[:, 5] = radius * speed[:, None] * along, -speed
+    acceleration[:, :3] = radius * (rate[:, None] * along - (speed**2)[:, None] * out)
+    acceleration[:, 5] = -rate
+    rotation = np.stack([-along, -out, np.tile([0.0, 0.0, 1.0], (len(time), 1))], axis=2)
+    return mrts.ObjectMotion(time, radius * out, rotation, twist, acceleration)
+
+
 UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N
 VISCOUS = 6.0  # N s/m of each arm
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from conftest import DATA
 from draws import draws
-from gantries import along_x, gantries
+from gantries import along_x, gantries, loop
 from loose_block import GeodesicPlan, slid
 from mrts_codegen.cell_model import build_cell_model
 from random_cells import configuration, random_spatial_urdf
@@ -171,14 +171,7 @@ def test_a_cup_on_a_tilted_tray_is_not_held_at_any_speed(tmp_path):
 def test_a_loop_must_be_fast_enough_for_a_cup(tmp_path):
     """Around the top of a circle, normal inward: at φ off the top c² R ω² >= g (cos φ + |sin φ| / friction)."""
     radius, speed, friction, phi = 0.5, 1.0, 0.4, np.linspace(-0.6, 0.6, 121)
-    out = np.column_stack([np.sin(phi), np.cos(phi), 0 * phi])
-    along = np.column_stack([np.cos(phi), -np.sin(phi), 0 * phi])
-    R = np.stack([np.column_stack([-a, -o, [0, 0, 1]]) for a, o in zip(along, out, strict=True)])
-    none = 0 * out
-    twist = np.concatenate([radius * speed * along, none], axis=1)
-    twist[:, 5] = -speed
-    acceleration = np.concatenate([-radius * speed**2 * out, none], axis=1)
-    motion = mrts.ObjectMotion((phi - phi[0]) / speed, radius * out, R, twist, acceleration)
+    motion = loop((phi - phi[0]) / speed, phi, np.full(121, speed), np.zeros(121), radius)
     cell = replace(with_cup(tmp_path, friction=friction), object_acceleration_limit=np.array([40.0, np.inf]))
     turned = tuple(replace(robot, posture=np.array([0, 0, np.pi + 0.6])) for robot in cell.robots)
     found = mrts.scale(replace(cell, robots=turned), motion).range

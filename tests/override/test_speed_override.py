@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from changed_robots import with_robots
-from gantries import gantries, there_and_back
+from gantries import gantries, loop, there_and_back
 from random_cells import configuration
 from random_motors import equipped
 from reference import ReferenceCell
@@ -415,17 +415,9 @@ def test_an_internal_wrench_of_each_sample_has_no_override():
 @pytest.mark.quick
 def test_where_a_cup_needs_speed_there_is_no_override(tmp_path):
     """Around a vertical circle from its lowest point, inward up: above it only swinging keeps the cup on."""
-    time, radius = np.linspace(0.0, 1.0, 201), 0.5
+    time = np.linspace(0.0, 1.0, 201)
     turned, speed, rate = 2 * np.pi * np.array(quintic(time))
-    turned = turned - np.pi
-    none, up = np.zeros_like(time), np.tile([0.0, 0.0, 1.0], (len(time), 1))
-    out = np.column_stack([np.sin(turned), np.cos(turned), none])
-    along = np.column_stack([np.cos(turned), -np.sin(turned), none])
-    twist, acceleration = np.zeros((2, len(time), 6))
-    twist[:, :3], twist[:, 5] = radius * speed[:, None] * along, -speed
-    acceleration[:, :3] = radius * (rate[:, None] * along - (speed**2)[:, None] * out)
-    acceleration[:, 5] = -rate
-    motion = mrts.ObjectMotion(time, radius * out, np.stack([-along, -out, up], axis=2), twist, acceleration)
+    motion = loop(time, turned - np.pi, speed, rate)
     strong = {"torque_lower": np.full(3, -1e6), "torque_upper": np.full(3, 1e6), "posture": np.array([0, 0, 2 * np.pi])}
     cell = with_robots(gantries(tmp_path, gravity=(0, -9.81, 0)), **strong)
     cup = CarriedThing(name="cup", normal=[0, 1, 0], friction=1.5)
