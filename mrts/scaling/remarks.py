@@ -14,7 +14,6 @@ from mrts.following.denser_motion import moved_remarks
 from mrts.motion.object_courses import ProfiledPath
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.scaling.limit_use import LimitUse, by_share, power_uses, rate_uses
-from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:
@@ -61,18 +60,19 @@ def motion_remarks(
     cell: Cell,
     motion: CoordinatedMotion,
     played: CoordinatedMotion,
-    also: tuple[Remark, ...],
-    found: ScalingRange | None,
+    also: tuple[Remark, ...] = (),
+    *,
+    constant: bool = False,
 ) -> tuple[Remark, ...]:
     """All remarks of a cell and its motion as they are given, but for what is taken for granted.
 
     Args:
         played: The same motion with the samples that were added; remarks name its samples.
         also: What else is to be said.
-        found: The range of c² of a constant factor; None where the speed varies from rest to rest.
+        constant: Whether it is played by one factor, and not at a speed that varies from rest to rest.
     """
     remarks = [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
-    if found is not None:
+    if constant:
         remarks += _not_at_rest(cell, motion)
     remarks += _rough(cell, motion)
     if remarks and played is not motion:

@@ -45,8 +45,8 @@ LIMIT_TOLERANCE = 1e-8
 """Largest excess over a limit that counts as rounding and the widening of the programs, as a share of it."""
 
 
-Remarks = tuple[Remark, ...] | Callable[[ScalingRange | None], tuple[Remark, ...]]
-"""What to know of a cell and a motion, or what finds it with the range of c²; None where the speed varies."""
+Remarks = tuple[Remark, ...] | Callable[[], tuple[Remark, ...]]
+"""What to know of a cell and a motion, or what finds it."""
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class ScalingResult(Result):
     @cached_property
     def warnings(self) -> tuple[Remark, ...]:
         """What to know of the cell and the motion, and of the plan's torques, before trusting the answer."""
-        remarks = self.remarks(self.found) if callable(self.remarks) else self.remarks
+        remarks = self.remarks() if callable(self.remarks) else self.remarks
         return tuple(dict.fromkeys((*remarks, *plan_remarks(self))))
 
     def __repr__(self) -> str:

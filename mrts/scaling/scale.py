@@ -204,7 +204,7 @@ def admissible_range(
         fallbacks=found.samples.fallbacks,
         load=study,
         options=options,
-        remarks=partial(motion_remarks, cell, motion, rows.motion, told),
+        remarks=partial(motion_remarks, cell, motion, rows.motion, told, constant=True),
     )
     return result, rows, excess
 

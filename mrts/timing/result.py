@@ -310,7 +310,7 @@ class RetimingResult(Result):
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings
-        return motion_remarks(self.cell, self.given, self.given, (), None)
+        return motion_remarks(self.cell, self.given, self.given)
 
     def speed_question(self) -> SpeedQuestion:
         """How fast a changed cell may play the motion, at the samples of this timing."""

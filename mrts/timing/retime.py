@@ -157,7 +157,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     first, *rest = pieces
     torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
     wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
-    remarks = partial(motion_remarks, bare.cell, bare.given, bare.given, ())
+    remarks = partial(motion_remarks, bare.cell, bare.given, bare.given)
     return _played(
         found, answer.what, remarks, torques=(torque, wrench), also=f". {answer.text(new_times(pieces)[-1])}"
     )
