@@ -86,11 +86,11 @@ def speed_regions(
         length: Of the path: over it u changes x by 2 u times that.
         bound: An x that no profile reaches, of other samples of the path; None finds one.
     """
-    every, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
+    taken, most = ~problem.is_cap, problem.cap()
+    by_itself = taken & ~np.any(problem.A[0, :, :-2], axis=1)
+    by_itself[by_itself] = ~np.any(problem.A[:, by_itself, :-2], axis=(0, 2))
+    every, alone, rows = (np.flatnonzero(of).astype(np.int32) for of in (taken, by_itself, taken & ~by_itself))
     effect = default_programs().effects(problem.A, every)
-    alone = every[~np.any(problem.A[0, every, :-2], axis=1)]
-    alone = alone[~np.any(problem.A[:, alone, :-2], axis=(0, 2))]
-    rows = np.setdiff1d(every, alone)
     effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0  # u moves nothing but by rounding
     by_row = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
     if bound is None:
@@ -164,17 +164,21 @@ def _likely_speed(
     scale = np.ones((len(probes), problem.unknowns))
     scale[:, -2] /= effect[probes]
     bound = np.tile([BOX, 0.0], (len(probes), 1))
-    number, corners, _ = _projections(problem.at(probes), rows, scale, (-bound, bound))
+    some = problem.A[probes], problem.lower[probes], problem.upper[probes]
+    number, corners, _ = default_programs().projections(*some, scale, (-bound, bound), rows)
     largest = np.ones(len(probes))
     np.maximum.at(largest, np.repeat(np.arange(len(probes)), number), np.abs(corners[:, 0]))
     return max(*ends, 2 * length * median(largest / effect[probes]))
 
 
 def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
-    sides = np.concatenate([A, -A], axis=1)
-    limit = np.concatenate([upper, -lower], axis=1)
-    limited = np.any(np.isfinite(limit), axis=0)
-    return np.concatenate([sides[:, limited], limit[:, limited, None]], axis=2)
+    count, rows, _ = A.shape
+    planes = np.empty((count, 2 * rows, 3))
+    planes[:, :rows, :2], planes[:, :rows, 2] = A, upper
+    np.negative(A, out=planes[:, rows:, :2])
+    np.negative(lower, out=planes[:, rows:, 2])
+    limited = np.any(np.isfinite(planes[:, :, 2]), axis=0)
+    return planes if np.all(limited) else planes[:, limited]
 
 
 def _projections(

@@ -21,6 +21,9 @@ from mrts.program.successive_steps import StepsTaken
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
 from mrts.timing.path_pieces import PLACES, STRIDE, PathPiece
 
+AT_PLACES = polynomial_weights(PLACES)
+"""Found once: to find them takes 1 % of a short timing."""
+
 JOINT_PATH = structure("arm_tips.c", "mrts_joint_path")
 
 BINDING = 1e-4
@@ -197,7 +200,8 @@ def path_places(
         The parameter of the path from the first place on, q, q̇, q̈ and the object's position, rotation, twist and
         acceleration, each with p s first.
     """
-    along = (path.object.time, path.q, path.dq, path.ddq, polynomial_weights(places), places, WHOLE_WAY)
+    weights = AT_PLACES if places is PLACES else polynomial_weights(places)
+    along = (path.object.time, path.q, path.dq, path.ddq, weights, places, WHOLE_WAY)
     given = [np.ascontiguousarray(array) for array in along]
     asked = [np.ascontiguousarray(array) for array in (*speeds, cell.geometry)]
     count, of = len(places) * len(segments), np.ascontiguousarray(segments, dtype=np.int64)
