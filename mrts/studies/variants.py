@@ -371,17 +371,14 @@ class VariantBatch:
         cell, velocity = self._cell, numbers["velocity"]
         if not cell.enforces_velocity_limits:
             velocity = np.full_like(velocity, np.inf)
-        of_object = cell.object_acceleration_limit
-        own = [
-            np.append(cell.stacked(f"acceleration_{side}"), sign * of_object)
-            for side, sign in (("lower", -1), ("upper", 1))
-        ]
-        caps = zip(("caps_lower", "caps_upper"), (-velocity, velocity), own, strict=True)
-        left = 1 - self._reserve
-        alone = {
-            side: left * np.column_stack([speeds, np.tile(limits, (len(speeds), 1))]) for side, speeds, limits in caps
+        caps = {
+            "caps_lower": (-velocity, cell.stacked("acceleration_lower"), -cell.object_acceleration_limit),
+            "caps_upper": (velocity, cell.stacked("acceleration_upper"), cell.object_acceleration_limit),
         }
-        return sides | alone
+        for side, (speeds, of_joints, of_object) in caps.items():
+            accelerations = np.tile(np.append(of_joints, of_object), (len(speeds), 1))
+            sides[side] = (1 - self._reserve) * np.column_stack([speeds, accelerations])
+        return sides
 
     def _cap_shares(self, given: Mapping[str, Array], tracked: TrackedVariants) -> Array:
         """What velocities and accelerations are of their limits in ṙ² at ṙ = 1, Shape (V, N, 2 m + 4)."""
