@@ -79,7 +79,7 @@ class KernelSolver:
         program = program.of_free()
         if program.free.shape[2] == 0:
             return np.zeros((program.nodes, 0))
-        timed = replace(_start(program, x), u=np.array(u, dtype=np.float64))
+        timed = _start(program, x, u)
         solved, *_ = self._solve(program, timed, x, Goal(time=0.0, effort=1.0), timed=True)
         return timed.free if solved and program.excess(timed.x, timed.u, timed.free) <= KEPT else None
 
@@ -160,12 +160,12 @@ class KernelSolver:
         return status == FOUND, share.value, left.copy()
 
 
-def _start(program: SmoothProgram, x: Array) -> SmoothProfile:
+def _start(program: SmoothProgram, x: Array, u: Array | None = None) -> SmoothProfile:
     x = np.array(x, dtype=np.float64)
     for place, given in zip((0, -1), program.ends, strict=True):
         if given is not None:
             x[place] = given
-    return SmoothProfile(x, np.zeros(program.nodes), program.given_free())
+    return SmoothProfile(x, np.zeros(program.nodes) if u is None else np.array(u), program.given_free())
 
 
 def _at_nodes(before: Array, kept: Array, sigma: Array, free: int) -> Array | None:

@@ -100,24 +100,23 @@ class SmoothProgram:
     def of_free(self) -> Self:
         """The same program with the rows alone that F moves: x and u keep the others and limits of jerk, or not."""
         nothing = np.zeros((self.nodes, 0))
-        return replace(
-            self.only(np.any(self.free, axis=(0, 2))),
-            q1=nothing,
-            q2=nothing,
-            q3=np.zeros((self.nodes - 1, 2, 0)),
-            jerk=np.zeros(0),
-            joints=(),
-            gram=self.gram[:, :0],
-            bound=self.bound[:, :0],
-        )
+        no_jerk = {
+            "q1": nothing,
+            "q2": nothing,
+            "q3": np.zeros((self.nodes - 1, 2, 0)),
+            "jerk": np.zeros(0),
+            "joints": (),
+        }
+        moved = np.any(self.free, axis=(0, 2))
+        return self.only(moved, **no_jerk, gram=self.gram[:, :0], bound=self.bound[:, :0])
 
-    def only(self, chosen: NDArray[np.bool_]) -> Self:
-        """The same program with some of the rows."""
+    def only(self, chosen: NDArray[np.bool_], **changes: Any) -> Self:
+        """The same program with some of the rows, and other changes."""
         rows, cones = np.flatnonzero(chosen), self.names[len(chosen) :]
         names = (name for name, kept in zip(self.names, chosen.tolist(), strict=False) if kept)
         some: dict[str, Any] = {name: getattr(self, name)[:, rows] for name in OF_NODES}
         some |= {name: getattr(self, name)[..., rows] for name in ("change", "weight", "sizes")}
-        return replace(self, **some, names=(*names, *cones))
+        return replace(self, **some, names=(*names, *cones), **changes)
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r)."""
