@@ -2,7 +2,6 @@
 """The C that plays a plan at any speed, compiled for Python, and its structures of m joints and w wrench components."""
 
 import ctypes
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,8 @@ from mrts.kernel.compiler import compiled_library
 
 def override_library(manifest: Manifest, generated: str) -> ctypes.CDLL:
     """The functions of override_calls.c for a cell, compiled unless the cache holds them."""
-    return compiled_library("override", override_source(manifest, generated), _bound)
-
-
-def _bound(path: Path) -> ctypes.CDLL:
-    return bind(ctypes.CDLL(str(path)), (f"{CALLS}.c",))
+    source, files = override_source(manifest, generated), (f"{CALLS}.c",)
+    return compiled_library("override", source, lambda path: bind(ctypes.CDLL(str(path)), files))
 
 
 def override_type(name: str, joints: int, wrenches: int) -> np.dtype[Any]:
