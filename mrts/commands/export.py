@@ -31,7 +31,12 @@ examples:
 @option("--precision", type=Choice(["double", "float"]), default="double", show_default=True, help="of its numbers")
 @option("--name", help="prefix of all names (default: the cell's name)")
 @option("--motion", type=Named(), metavar="MOTION", help="motion of the test vectors (default: a short lift)")
-@option("--plan", type=Named(".npz"), metavar="RESULT.npz", help="a plan to be played at any speed (docs/override.md)")
+@option(
+    "--plan",
+    type=Named(".npz", dir_okay=False),
+    metavar="RESULT.npz",
+    help="a plan to be played at any speed (docs/override.md)",
+)
 @option("--fastest-override", type=float, metavar="W", help="largest speed along the plan (default: 1, the plan's)")
 @option("--backwards", is_flag=True, help="the plan may run back as well")
 @options.rates

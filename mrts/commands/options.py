@@ -59,8 +59,10 @@ class Named(click.Path):
         if not str(value) and param is not None:
             raise InputError(param.name or "", "must not be empty: name a file or a folder.")
         path = Path(value)
-        if self.suffixes and path.suffix.lower() not in self.suffixes and not path.is_dir() and param is not None:
-            raise InputError(param.name or "", f"must end in {' or '.join(self.suffixes)}.", value=str(path))
+        is_folder = self.dir_okay and path.is_dir()
+        if self.suffixes and path.suffix.lower() not in self.suffixes and not is_folder and param is not None:
+            folder = "be a folder, or " if self.dir_okay else ""
+            raise InputError(param.name or "", f"must {folder}end in {' or '.join(self.suffixes)}.", value=str(path))
         return path
 
 

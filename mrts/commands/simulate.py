@@ -33,7 +33,7 @@ examples:
           "them")  # fmt: skip
 @option("--set", "given", multiple=True, metavar="KEY=VALUE",
         help="a number of the controller or of the cell's errors; once for each (docs/simulate.md)")  # fmt: skip
-@option("--override", type=Named(".csv"), metavar="FILE",
+@option("--override", type=Named(".csv", dir_okay=False), metavar="FILE",
         help="play it at the speeds that a CSV table of t and speed wants (docs/override.md)")  # fmt: skip
 @options.rates
 @option("--trials", type=int, metavar="N", help="play it again so often with drawn errors (default: 0)")
