@@ -886,10 +886,10 @@ typedef struct {
     double *gx, *gu, *gf;      /* the gradient of the objective */
     double *px, *pu, *pf;      /* another one, or a step */
     double *b, *w;             /* unknowns: a right side and its step; the factor's answer to what borders the matrix */
-    double *border;            /* unknowns: how the share pulls at them */
+    double *border;            /* unknowns: how the share pulls at them, or the duration */
     double share;              /* by which limits of changes and jerks are relaxed */
     double share_step;         /* of it */
-    double share_pull;         /* the second derivative along it that the border leaves */
+    double pull;               /* the second derivative along the border that the factor leaves */
     double *factor, *fronts;
     double slack_reach;        /* the longest parts of a step that leave slacks, multipliers and x no less than 0 */
     double dual_reach, x_reach;
@@ -1011,9 +1011,14 @@ static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_st
     for (long long i = 0; i < unknowns; ++i) sum += at->b[i] * at->w[i];
     if (p->relaxed > 0) {
         const double slope = mrts_smooth_share_slope(p, at->y);
-        sum += slope * slope / at->share_pull;
+        sum += slope * slope / at->pull;
     }
     return sum;
+}
+
+/* Whether a column borders the Newton matrix. */
+static int mrts_smooth_bordered(const mrts_smooth_program *p, const mrts_smooth_iterate *at) {
+    return p->relaxed > 0 || at->y[mrts_smooth_duration_slot(p)] > 0;
 }
 
 /* The right side -gradient - sum of target g's gradient, solved for; the step goes to px, pu, pf and ds, dy. */
@@ -1024,28 +1029,20 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
     mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
     for (long long i = 0; i < unknowns; ++i) at->b[i] = -at->b[i];
     mrts_front_solve(p, at->factor, at->b);
-    double pulled = 0; /* what the duration's slot adds to its multiplier */
-    if (at->y[last] > 0) {
-        const double by = at->s[last] / at->y[last] * p->longest;
-        mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
-        const double alone = mrts_dot((int)n, state->duration_x, at->px);
-        mrts_front_scatter(p, state, at->w, at->px, at->pu, at->pf);
-        const double answered = mrts_dot((int)n, state->duration_x, at->px);
-        pulled = alone / (by + answered / p->longest);
-        for (long long i = 0; i < unknowns; ++i) at->b[i] -= pulled / p->longest * at->w[i];
+    double along = 0; /* the border: the step of the share, or less what the duration's slot adds to its multiplier */
+    if (mrts_smooth_bordered(p, at)) {
+        const double slope = p->relaxed > 0 ? mrts_smooth_share_slope(p, at->target) : 0;
+        along = (mrts_dot((int)unknowns, at->border, at->b) - slope) / at->pull;
+        for (long long i = 0; i < unknowns; ++i) at->b[i] += along * at->w[i];
     }
-    double relaxed = 0; /* the step of the share */
-    if (p->relaxed > 0) {
-        for (long long i = 0; i < unknowns; ++i) relaxed += at->border[i] * at->b[i];
-        relaxed = (relaxed - mrts_smooth_share_slope(p, at->target)) / at->share_pull;
-        for (long long i = 0; i < unknowns; ++i) at->b[i] += relaxed * at->w[i];
-        at->ds[mrts_smooth_share_slot(p)] = -relaxed;
-    }
-    at->share_step = relaxed;
+    at->share_step = p->relaxed > 0 ? along : 0;
     mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
     mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
-    for (long long i = 0; i < last && relaxed != 0; ++i) at->ds[i] -= mrts_smooth_relaxes(p, i) ? relaxed : 0;
-    if (at->y[last] > 0) at->ds[last] = pulled * at->s[last] / at->y[last]; /* its own sum would cancel */
+    if (p->relaxed > 0) {
+        for (long long i = 0; i < last; ++i) at->ds[i] -= mrts_smooth_relaxes(p, i) ? along : 0;
+        at->ds[mrts_smooth_share_slot(p)] = -along;
+    }
+    if (at->y[last] > 0) at->ds[last] = -along * at->s[last] / at->y[last]; /* its own sum would cancel */
     double most = 1 / MRTS_SMOOTH_BOUNDARY, up = most, x = 1 / (1 - MRTS_SMOOTH_LEAST);
     for (long long i = 0; i < at->slots; ++i) {
         const double moved = at->ds[i], ds = -at->missed[i] - moved;
@@ -1075,33 +1072,28 @@ static double mrts_smooth_dual_length(const mrts_smooth_iterate *at, double boun
     return boundary * at->dual_reach < 1 ? boundary * at->dual_reach : 1;
 }
 
-/* Answers the duration's slope by the factor, into w. */
-static void mrts_smooth_answer_duration(const mrts_smooth_program *p, const mrts_smooth_state *state,
-                                        mrts_smooth_iterate *at) {
-    const long long n = p->nodes;
-    mrts_smooth_clear(n * (1 + p->free), at->pu);
-    mrts_front_gather(p, state, state->duration_x, at->pu, at->pf, at->w);
-    mrts_front_solve(p, at->factor, at->w);
-}
-
-/* Answers what the share pulls at by the factor, into w. */
-static void mrts_smooth_answer_share(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+/* Answers what the share or the duration pulls at by the factor, into w; only one of them is limited. */
+static void mrts_smooth_answer_border(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
     const long long n = p->nodes, unknowns = mrts_front_unknowns(p), last = mrts_smooth_duration_slot(p);
-    double along = at->weight[mrts_smooth_share_slot(p)], answered = 0;
-    mrts_smooth_clear(at->slots, at->before);
-    for (long long i = 0; i < last; ++i) {
-        if (!mrts_smooth_relaxes(p, i)) continue;
-        at->before[i] = at->weight[i];
-        along += at->weight[i];
-    }
+    double along = at->weight[mrts_smooth_share_slot(p)];
     mrts_smooth_clear(n * (2 + p->free), at->px);
-    mrts_smooth_pulled(p, state, at->before, at->px, at->pu, at->pf);
+    if (p->relaxed > 0) {
+        mrts_smooth_clear(at->slots, at->before);
+        for (long long i = 0; i < last; ++i) {
+            if (!mrts_smooth_relaxes(p, i)) continue;
+            at->before[i] = at->weight[i];
+            along += at->weight[i];
+        }
+        mrts_smooth_pulled(p, state, at->before, at->px, at->pu, at->pf);
+    } else {
+        for (long long k = 0; k < n; ++k) at->px[k] = state->duration_x[k] / p->longest;
+    }
     mrts_front_gather(p, state, at->px, at->pu, at->pf, at->border);
     mrts_smooth_copy(unknowns, at->border, at->w);
     mrts_front_solve(p, at->factor, at->w);
-    for (long long i = 0; i < unknowns; ++i) answered += at->border[i] * at->w[i];
-    at->share_pull = along - answered;
-    if (!(at->share_pull > MRTS_SMOOTH_ROUNDING * along)) at->share_pull = MRTS_SMOOTH_ROUNDING * along;
+    const double answered = mrts_dot((int)unknowns, at->border, at->w);
+    at->pull = p->relaxed > 0 ? along - answered : -at->s[last] / at->y[last] - answered;
+    if (p->relaxed > 0 && !(at->pull > MRTS_SMOOTH_ROUNDING * along)) at->pull = MRTS_SMOOTH_ROUNDING * along;
 }
 
 /* One iteration from an evaluated point; the length of its step. */
@@ -1115,8 +1107,7 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     }
     mrts_smooth_second(p, state, at->weight, at->y);
     mrts_front_factor(p, state, at->factor, at->fronts);
-    if (at->y[mrts_smooth_duration_slot(p)] > 0) mrts_smooth_answer_duration(p, state, at);
-    if (p->relaxed > 0) mrts_smooth_answer_share(p, state, at);
+    if (mrts_smooth_bordered(p, at)) mrts_smooth_answer_border(p, state, at);
     mrts_smooth_newton(p, state, at);
     double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1), left = 0;
     for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
