@@ -449,22 +449,6 @@ MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long
     *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k);
 }
 
-/* The corners of one sample, in order. */
-static void mrts_take_outline(const mrts_lane_polytopes *in, int lane, int count, double *corners) {
-    for (int i = 0; i < count; ++i) {
-        const mrts_lanes *corner = in->corner + i * MRTS_LANE_CORNER(in->of->k);
-        corners[2 * i] = corner[0][lane];
-        corners[2 * i + 1] = corner[1][lane];
-    }
-}
-
-/* The polytope of a sample. */
-static void mrts_take_polytope(const mrts_lane_polytopes *of, int lane, const mrts_polytope *in) {
-    mrts_take_lane(in->rows * in->k, of->A, lane, in->A);
-    mrts_take_lane(in->rows + in->k, of->lower, lane, in->lower);
-    mrts_take_lane(in->rows + in->k, of->upper, lane, in->upper);
-}
-
 /* `count` projections of { z : lower <= A z <= upper, least <= (u, x) <= most }, see mrts_polytopes. Each starts from the one
  * before, the first of a chunk cold. */
 MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, const int *which, const double *A,
@@ -488,12 +472,16 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
             known = outline.count > 2 ? mrts_known_outline(&lanes, &outline) : none;
         }
         if (known[lane]) {
-            mrts_take_outline(&lanes, lane, outline.count, found);
+            for (int i = 0; i < outline.count; ++i) {
+                mrts_take_lane(2, lanes.corner + i * MRTS_LANE_CORNER(k), lane, found + 2 * i);
+            }
             corner_count[n] = outline.count;
             status[n] = MRTS_OPTIMAL;
             continue;
         }
-        mrts_take_polytope(&lanes, lane, &in);
+        mrts_take_lane(rows * k, lanes.A, lane, in.A);
+        mrts_take_lane(rows + k, lanes.lower, lane, in.lower);
+        mrts_take_lane(rows + k, lanes.upper, lane, in.upper);
         for (int attempt = 0; attempt < 2; ++attempt) {
             const int cold = outline.count == 0;
             corner_count[n] = 0;

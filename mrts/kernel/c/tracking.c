@@ -772,36 +772,28 @@ static int mrts_into_limits(const mrts_following *rule, int robot, double *q) {
     return -1;
 }
 
-/* Moves a joint's path of some samples inside its limits by whole turns, where it may turn and they do it; takes up the
- * first sample before `earliest` at which it is still past one, which is returned. */
-static long long mrts_joint_past(const mrts_following *rule, long long samples, int turns, int robot, int i, double *q,
-                                 long long earliest, mrts_outcome *outcome) {
-    enum { M = MRTS_JOINTS };
-    const double lower = rule->task.wish.lower[i], upper = rule->task.wish.upper[i];
-    double low = MRTS_INFINITY, high = -MRTS_INFINITY, moved = 0;
-    for (long long n = 0; n < samples; ++n) {
-        low = fmin(low, q[n * M + i]);
-        high = fmax(high, q[n * M + i]);
-    }
-    if (turns && rule->turns[i]) moved = mrts_turns_inside(low, high, lower, upper, rule->past);
-    for (long long n = 0; moved != 0 && n < samples; ++n) q[n * M + i] += moved;
-    if (fmax(lower - low - moved, high + moved - upper) <= rule->past) return earliest;
-    for (long long n = 0; n < earliest; ++n) {
-        const double at = q[n * M + i];
-        if (fmax(lower - at, at - upper) > rule->past) {
-            *outcome = (mrts_outcome){MRTS_PAST_LIMIT, (int)n, i - MRTS_FIRST(robot), outcome->start, {at, 0}};
-            return n;
-        }
-    }
-    return earliest;
-}
-
-/* The same of all joints of an arm. */
+/* Moves the paths of an arm's joints, some samples long, inside their limits by whole turns, where they may turn and that
+ * does it; tells of the first sample at which one is still past a limit. */
 static void mrts_past_limits(const mrts_following *rule, long long samples, int turns, int robot, double *q,
                              mrts_outcome *outcome) {
+    enum { M = MRTS_JOINTS };
     long long earliest = samples;
     for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1) && samples > 0; ++i) {
-        earliest = mrts_joint_past(rule, samples, turns, robot, i, q, earliest, outcome);
+        const double lower = rule->task.wish.lower[i], upper = rule->task.wish.upper[i];
+        double low = MRTS_INFINITY, high = -MRTS_INFINITY, moved = 0;
+        for (long long n = 0; n < samples; ++n) {
+            low = fmin(low, q[n * M + i]);
+            high = fmax(high, q[n * M + i]);
+        }
+        if (turns && rule->turns[i]) moved = mrts_turns_inside(low, high, lower, upper, rule->past);
+        for (long long n = 0; moved != 0 && n < samples; ++n) q[n * M + i] += moved;
+        if (fmax(lower - low - moved, high + moved - upper) <= rule->past) continue;
+        for (long long n = 0; n < earliest; ++n) {
+            const double at = q[n * M + i];
+            if (!(fmax(lower - at, at - upper) > rule->past)) continue;
+            *outcome = (mrts_outcome){MRTS_PAST_LIMIT, (int)n, i - MRTS_FIRST(robot), outcome->start, {at, 0}};
+            earliest = n;
+        }
     }
 }
 
