@@ -377,6 +377,12 @@ static planar_dual_arm_status keep_standing(const planar_dual_arm_sample *sample
     range->lower_count = 0;
     return range->status = PLANAR_DUAL_ARM_INFEASIBLE;
 }
+#else
+static planar_dual_arm_status keep_standing(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, const planar_dual_arm_range *range) {
+    (void)sample;
+    (void)settings;
+    return range->status;
+}
 #endif
 
 /* The largest c^2 that velocity limits allow, of each joint, then of the object's linear and angular speed; MRTS_INFINITY where
@@ -732,10 +738,7 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
 planar_dual_arm_status planar_dual_arm_range_of_sample(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
                          planar_dual_arm_workspace *workspace) {
     range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
-#if PLANAR_DUAL_ARM_THINGS
-    keep_standing(sample, settings, range);
-#endif
-    return range->status;
+    return keep_standing(sample, settings, range);
 }
 
 #if PLANAR_DUAL_ARM_MOTORS
@@ -771,10 +774,7 @@ static planar_dual_arm_status range_in_common(const planar_dual_arm_sample *samp
         }
     }
     if (range->status == PLANAR_DUAL_ARM_OK && range->lower > range->upper) range->status = PLANAR_DUAL_ARM_EMPTY;
-#if PLANAR_DUAL_ARM_THINGS
-    keep_standing(sample, settings, range);
-#endif
-    return range->status;
+    return keep_standing(sample, settings, range);
 }
 
 planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
@@ -908,10 +908,7 @@ static planar_dual_arm_status share_range(const planar_dual_arm_sample *sample, 
 planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
                                    planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
     share_range(sample, settings, range, workspace);
-#if PLANAR_DUAL_ARM_THINGS
-    keep_standing(sample, settings, range);
-#endif
-    return range->status;
+    return keep_standing(sample, settings, range);
 }
 
 #ifdef MRTS_SINGLE

@@ -378,6 +378,12 @@ static cell_status keep_standing(const cell_sample *sample, const cell_settings 
     range->lower_count = 0;
     return range->status = CELL_INFEASIBLE;
 }
+#else
+static cell_status keep_standing(const cell_sample *sample, const cell_settings *settings, const cell_range *range) {
+    (void)sample;
+    (void)settings;
+    return range->status;
+}
 #endif
 
 /* The largest c^2 that velocity limits allow, of each joint, then of the object's linear and angular speed; MRTS_INFINITY where
@@ -733,10 +739,7 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
 cell_status cell_range_of_sample(const cell_sample *sample, const cell_settings *settings, cell_range *range,
                          cell_workspace *workspace) {
     range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
-#if CELL_THINGS
-    keep_standing(sample, settings, range);
-#endif
-    return range->status;
+    return keep_standing(sample, settings, range);
 }
 
 #if CELL_MOTORS
@@ -772,10 +775,7 @@ static cell_status range_in_common(const cell_sample *sample, const cell_setting
         }
     }
     if (range->status == CELL_OK && range->lower > range->upper) range->status = CELL_EMPTY;
-#if CELL_THINGS
-    keep_standing(sample, settings, range);
-#endif
-    return range->status;
+    return keep_standing(sample, settings, range);
 }
 
 cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings *settings,
@@ -909,10 +909,7 @@ static cell_status share_range(const cell_sample *sample, const cell_settings *s
 cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings,
                                    cell_range *range, cell_workspace *workspace) {
     share_range(sample, settings, range, workspace);
-#if CELL_THINGS
-    keep_standing(sample, settings, range);
-#endif
-    return range->status;
+    return keep_standing(sample, settings, range);
 }
 
 #ifdef MRTS_SINGLE
