@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.joint_limits import add_joint_limits
-from mrts_codegen.object_shape import build_shape, build_surroundings
+from mrts_codegen.object_shape import build_shape, build_surroundings, check_contact_normals
 from mrts_codegen.urdf.held_joints import check_machines, held_positions
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
