@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cell_bank import random_planar_cell
 from changed_robots import with_left
 from conftest import DATA
 from same_cells import same_cell
@@ -53,12 +52,6 @@ def test_what_the_generated_c_holds_is_refused(what, planar_cell):
 @pytest.mark.parametrize("what", OF_GEOMETRY)
 def test_geometry_changed_in_python_changes_the_answer(what, planar_cell, lift):
     assert c2(OF_GEOMETRY[what](planar_cell), lift) != c2(planar_cell, lift)
-
-
-def test_functions_of_another_cell_are_refused(planar_cell, tmp_path):
-    other = random_planar_cell(np.random.default_rng(1), tmp_path, 2).cell
-    with pytest.raises(mrts.InputError, match=r"^cell: name"):
-        replace(planar_cell, functions=other.functions)
 
 
 def test_nobody_writes_into_a_cell(planar_cell):
