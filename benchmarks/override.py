@@ -13,7 +13,7 @@ import numpy as np
 import mrts
 from mrts.base.arrays import Array
 from mrts.following.coordinated_motion import carried_by_first
-from mrts.override.speed_override import wanted_at_ticks
+from mrts.override.speed_override import random_wishes, wanted_at_ticks
 from mrts.override.tables import TICK
 from mrts.program.motion_rows import motion_rows
 from mrts.program.widening import motion_widening
@@ -27,24 +27,7 @@ PLANS = {"constant": mrts.scale, "smooth": partial(mrts.retime, rates=10.0)}
 RAMP = 0.05
 """Time in which an operator turns the knob [s]."""
 
-DRAWN = 20
-"""Wishes of a random run, each held for about a tenth of the plan."""
-
 HEAD = ("cell", "profile", "half the speed", "down to 0.3 and up", "a stop", "random", "later by")
-
-
-def random_wishes(seed: int, duration: float) -> Array:
-    """Steps, ramps and stops for about twice a duration [s], then 1, Shape (k, 2)."""
-    rng = np.random.default_rng(seed)
-    rows, now = list[tuple[float, float]](), 0.0
-    for kind in rng.choice(["step", "ramp", "stop"], DRAWN, p=[0.4, 0.3, 0.3]):
-        held = float(rng.uniform(0.02, 0.2)) * duration
-        before = rows[-1][1] if rows else 0.0
-        after = 0.0 if kind == "stop" else float(rng.uniform(0.0, 1.0))
-        steps = 10 if kind == "ramp" else 1
-        rows += [(now + held * k / steps, before + (after - before) * (k + 1) / steps) for k in range(steps)]
-        now += held
-    return np.array([*rows, (now, 1.0)])
 
 
 def wishes(duration: float) -> dict[str, Array]:

@@ -95,6 +95,7 @@ FILES = ("save", *PLANS, "plot", "report")
 @option("--report", type=HTML, metavar="FILE",
         help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
 @option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
+@option("--brief", is_flag=True, help="print the answer in one line, warnings on standard error")
 def run(
     cell: Path,
     motion: Path,
@@ -105,13 +106,17 @@ def run(
     merged: bool = False,
     what_if: bool = False,
     verbose: bool = False,
+    brief: bool = False,
     **given: Any,
 ) -> int:
     """How fast may this motion be played, and with which torques?"""
     from mrts.motion.motion_file import load_motion
     from mrts.plots.card import answer_card
     from mrts.scaling.result import ScalingResult, fallbacks_text
+    from mrts.scaling.scale import SelectionError
 
+    if brief and verbose:
+        raise InputError("verbose", "does not go with --brief, which is one line.")
     _check(profile, given | ({"what_if": True} if what_if else {}))
     files = take(given, FILES)
     if merged and "ros_bag" not in files:
@@ -123,14 +128,19 @@ def run(
     limited = options.compiled_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
-    search = _searched(limited, motion_given, profile, given) if automatic else None
-    found = (search and search.found) or _solved(limited, motion_given, profile, given)
+    try:
+        search = _searched(limited, motion_given, profile, given) if automatic else None
+        found = (search and search.found) or _solved(limited, motion_given, profile, given)
+    except SelectionError as error:
+        if error.result is not None:  # the range that c² is not in
+            Outputs(error.result, json).answer((), INFEASIBLE)
+        raise
     if what_if:
         with working("changing the cell") as progress:
             found = replace(found, changes=found.what_if(progress=progress))
     with working("comparing with a constant factor"):
         card = None if verbose else answer_card(found)
-        lines = _words(found, card, search)
+        lines = _words(found, card, search)[: 1 if brief else None]
         plan = found if isinstance(found, ScalingResult) else found.retimed
         plan = None if plan is None or plan.trajectory is None else plan if rate is None else plan.at_rate(rate)
     with working("writing"):  # files first: whoever reads the lines may go away

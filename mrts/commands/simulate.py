@@ -23,6 +23,7 @@ EXAMPLES = """\
 examples:
   mrts simulate cell.yaml result.npz
   mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
+  mrts simulate cell.yaml result.npz --override random:1
   mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest"""
 
 
@@ -33,8 +34,9 @@ examples:
           "them")  # fmt: skip
 @option("--set", "given", multiple=True, metavar="KEY=VALUE",
         help="a number of the controller or of the cell's errors; once for each (docs/simulate.md)")  # fmt: skip
-@option("--override", type=Named(".csv", dir_okay=False), metavar="FILE",
-        help="play it at the speeds that a CSV table of t and speed wants (docs/override.md)")  # fmt: skip
+@option("--override", metavar="FILE|random:SEED",
+        help="play it at the speeds that a CSV table of t and speed wants, or at random ones "
+        "(docs/override.md)")  # fmt: skip
 @options.rates
 @option("--trials", type=int, metavar="N", help="play it again so often with drawn errors (default: 0)")
 @option("--seed", type=int, metavar="N", help="of the drawn errors and of noise (default: 0)")
@@ -48,7 +50,7 @@ def run(
     plan: Path,
     given: tuple[str, ...] = (),
     *,
-    override: Path | None = None,
+    override: str | None = None,
     json: Path | None = None,
     plot: Path | None = None,
     report: Path | None = None,
@@ -56,7 +58,7 @@ def run(
     **draw: Any,
 ) -> int:
     """Does a plan keep its limits when a controller plays it on a cell that is not quite the plan's?"""
-    from mrts.override.speed_override import read_wishes
+    from mrts.override.speed_override import random_wishes, read_wishes
     from mrts.simulation.controller import Controller, PlantErrors, with_settings
     from mrts.simulation.simulate import simulate
 
@@ -66,7 +68,9 @@ def run(
     with working(f"reading {plan}"):
         planned = _plan(compiled, plan)
     if override is not None:
-        draw["override"] = read_wishes(override)
+        word, _, seed = override.partition(":")
+        drawn = word == "random" and seed.isdecimal()
+        draw["override"] = random_wishes(int(seed), planned.duration or 1.0) if drawn else read_wishes(override)
     with working(f"simulating {compiled.name}") as progress:
         found = simulate(planned, controller, errors, progress=progress, **draw)
     outputs = Outputs(found, json)

@@ -43,6 +43,9 @@ tenth."""
 MOST_TICKS = 100_000
 """Of a run: a hundred seconds at 1 kHz."""
 
+DRAWN = 20
+"""Wishes of a random run, each held for about a tenth of the plan."""
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class OverrideState:
@@ -323,6 +326,20 @@ def read_wishes(path: Path | str) -> Array:
     if "speed" not in columns:
         raise InputError(path, "a column 'speed' is needed: 1 as planned, 0 to stop.")
     return np.column_stack([row_times(path, columns), columns["speed"]])
+
+
+def random_wishes(seed: int, duration: float) -> Array:
+    """Steps, ramps and stops for about twice a duration [s], then 1, Shape (k, 2)."""
+    rng = np.random.default_rng(seed)
+    rows, now = list[tuple[float, float]](), 0.0
+    for kind in rng.choice(["step", "ramp", "stop"], DRAWN, p=[0.4, 0.3, 0.3]):
+        held = float(rng.uniform(0.02, 0.2)) * duration
+        before = rows[-1][1] if rows else 0.0
+        after = 0.0 if kind == "stop" else float(rng.uniform(0.0, 1.0))
+        steps = 10 if kind == "ramp" else 1
+        rows += [(now + held * k / steps, before + (after - before) * (k + 1) / steps) for k in range(steps)]
+        now += held
+    return np.array([*rows, (now, 1.0)])
 
 
 def commanded(override: SpeedOverride, wanted: Array, dt: float) -> ScaledTrajectory:

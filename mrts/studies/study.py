@@ -8,7 +8,7 @@ from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
@@ -47,12 +47,14 @@ class StudyQuestion(Record):
     """What is asked of each variant.
 
     Attributes:
+        profile: "constant" asks for the range of c², "optimal" for the fastest timing too.
         load: The question of an uncertain load, as in `mrts.scale`.
         reserve: Share of every limit that is kept free; None is the cell's own.
         between: Share of a limit by which it may be overstepped between the samples; None looks at the samples alone.
         clearance: Whether the least distance between bodies is wanted (`mrts.clearance`).
     """
 
+    profile: Literal["constant", "optimal"] = "constant"
     load: Annotated[str, Rule(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
     reserve: Annotated[float, Rule(ge=0, lt=1)] | None = None
     between: Finite | None = None
@@ -382,6 +384,9 @@ def _table_content(table: ObjectMotion | JointTable) -> list[bytes]:
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
     load = described.load
+    if described.profile == "optimal" and load not in {"auto", "nominal", "guaranteed"}:
+        rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
+        raise InputError(path, rule, key="load", value=load)
     if described.clearance:
         CollisionModel(cell)  # which says what it lacks
     try:

@@ -38,6 +38,8 @@ from mrts.scaling.range import RangeEnd, ScalingRange, range_status
 from mrts.scaling.scale import admissible_range
 from mrts.studies.parameters import ANSWERS
 from mrts.studies.study import Study, StudyQuestion
+from mrts.timing.result import RetimingStatus
+from mrts.timing.retime import retime
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
@@ -141,6 +143,13 @@ def _answer(study: Study, keys: dict[str, Any], motion_keys: dict[str, Any]) -> 
     options = Options(load=question.load, between=question.between).checked(cell)
     found = admissible_range(cell, coordinate(cell, motion, None), options)[0]
     row = range_row(found.range, float(found.motion.object.time[-1]))
+    if question.profile == "optimal":  # the range stays that of a constant factor
+        timed = retime(cell, motion, load=question.load, between=question.between)
+        unbounded = timed.status is RetimingStatus.UNBOUNDED
+        status = RangeStatus.UNBOUNDED if unbounded else RangeStatus.INFEASIBLE
+        row |= {"duration": timed.duration, "status": status.value, "reason": timed.explanation or timed.status.value}
+        if timed.status.admits_motion:
+            row |= {"status": RangeStatus.FEASIBLE.value, "reason": None}
     if question.clearance:
         near = clearance(cell, motion)
         row["clearance"] = near.distance if near.pair else None

@@ -5,12 +5,11 @@ import json
 import numpy as np
 import pytest
 from command_line import mrts_command
-from override import random_wishes
 from random_motors import equipped
 from shipped_cells import DATA
 
 import mrts
-from mrts.override.speed_override import commanded, read_wishes, wanted_at_ticks
+from mrts.override.speed_override import commanded, random_wishes, read_wishes, wanted_at_ticks
 from mrts.simulation.simulate import kept_uses
 
 SAME = 1e-6
@@ -113,10 +112,11 @@ def test_wishes_that_lead_nowhere_are_refused(turned):
             mrts.simulate(plan, override=wishes)
 
 
-def test_the_command_plays_files(turned, tmp_path):
+def test_the_command_plays_files_and_seeds(turned, tmp_path):
     cell, plan, table = DATA / "dual_ur5" / "cell.yaml", tmp_path / "plan.npz", tmp_path / "wishes.csv"
     mrts.save_result(turned, plan)
     table.write_text("t,speed\n0,0.5\n")
     done = mrts_command("simulate", cell, plan, "--override", table, "-q", "--json", "-")
     found = json.loads(done.stdout)
     assert found["duration"] == pytest.approx(2 * turned.duration, abs=2e-3)
+    assert mrts_command("simulate", cell, plan, "--override", "random:x").returncode == 2

@@ -89,6 +89,17 @@ def test_questions_of_a_study_are_those_of_scale(tmp_path):
         assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
 
 
+def test_the_optimal_profile_gives_its_duration_beside_the_constant_range(tmp_path):
+    study = planar_study(tmp_path, "vary: {object.mass: [0.4, 100]}\nprofile: optimal")
+    fast, heavy = rows_of(solve_variants(study, 0, 2))
+    cell, motion = study.write_variant(0, tmp_path / "fast")
+    found = mrts.retime(mrts.load_cell(cell), mrts.load_motion(motion), between=None)
+    assert fast["status"] == "feasible"
+    assert fast["duration"] == pytest.approx(found.duration, rel=SAME)
+    assert fast["c2_upper"] == pytest.approx(found.constant.range.upper.c2, rel=SAME)
+    assert (heavy["status"], heavy["duration"]) == ("infeasible", None)
+
+
 def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
     cell = shipped("planar_dual_arm")
     cell["object"]["variation"] = {"mass": [0.5, 1.5]}
@@ -207,6 +218,7 @@ def test_a_variant_has_the_same_bits_whatever_it_is_solved_with(tmp_path):
 
 
 @pytest.mark.parametrize(("asked", "robots"), [
+    ("profile: optimal", {}),
     ("between: 1e-3", {}),
     ("", {"motors": {"armature": 0.5}}),
     ("", {"motors": {"torque_speed": [[0, 100], [20, 10]]}}),
