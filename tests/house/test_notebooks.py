@@ -80,5 +80,5 @@ def test_what_has_tables_shows_them(held):
 def test_names_from_a_file_stay_text(planar_cell, lift):
     spiteful = with_awkward_names(planar_cell)
     result = mrts.scale(spiteful, lift)
-    for value in (spiteful, spiteful.robots[0], result):
+    for value in (spiteful, result):
         assert AWKWARD in "".join(shown(value).itertext())
