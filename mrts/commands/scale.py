@@ -145,7 +145,7 @@ def run(
         plan = None if plan is None or plan.trajectory is None else plan if rate is None else plan.at_rate(rate)
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = Outputs(found, json)
-        _write(outputs, found, plan, files, merged=merged)
+        _write(outputs, found, plan, files, search, merged=merged)
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
     code = outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
@@ -215,6 +215,7 @@ def _write(
     found: "ScalingResult | RetimingResult",
     plan: "ScalingResult | None",
     files: dict[str, Path],
+    search: "ReserveSearch | None",
     *,
     merged: bool,
 ) -> None:
@@ -224,7 +225,7 @@ def _write(
         if name in PLANS and plan is None:
             left_out.append(f"--{name.replace('_', '-')}")
         else:
-            outputs.write(path, partial(_write_file, name, plan if name in PLANS else found, merged=merged))
+            outputs.write(path, partial(_write_file, name, plan if name in PLANS else found, search, merged=merged))
     if left_out:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
 
@@ -232,6 +233,7 @@ def _write(
 def _write_file(
     name: str,
     found: Any,
+    search: "ReserveSearch | None",
     path: Path,
     *,
     merged: bool,
@@ -249,9 +251,9 @@ def _write_file(
 
         write_ros_bag(found, path, merged=merged)
     elif name == "plot":
-        from mrts.plots import result_plots, write_plots
+        from mrts.plots import reserve_plot, result_plots, write_plots
 
-        write_plots(result_plots(found), path)
+        write_plots(result_plots(found) + ([] if search is None else [reserve_plot(search)]), path)
     else:
         from mrts.report import write_report
 

@@ -5,7 +5,9 @@ from mrts.plots.matplotlib_drawer import write_plot as write_plot
 from mrts.plots.matplotlib_drawer import write_plots as write_plots
 from mrts.plots.motor_plots import motor_plot as motor_plot
 from mrts.plots.phase_plane import phase_plane_plot as phase_plane_plot
+from mrts.plots.plan_plots import reserve_plot as reserve_plot
 from mrts.plots.plan_plots import simulation_plot as simulation_plot
+from mrts.plots.plan_plots import stops_plot as stops_plot
 from mrts.plots.range_plots import load_plot as load_plot
 from mrts.plots.range_plots import range_plot as range_plot
 from mrts.plots.study_plots import durations_plot as durations_plot

@@ -1,18 +1,29 @@
 # SPDX-License-Identifier: MIT
-"""Plots of what becomes of a plan that a controller plays."""
+"""Plots of what becomes of a plan: played by a controller, with a reserve, or stopped on its way."""
+
+from typing import Any
 
 import numpy as np
 
+from mrts.override.speed_override import Stops
 from mrts.plots.plot import (
+    ADMISSIBLE,
+    COLOURS,
+    Axis,
+    Item,
     Line,
     Panel,
     Plot,
+    Points,
     curves_panel,
     look,
+    one_panel,
+    time_axis,
+    value_ends,
 )
 from mrts.plots.trajectory_plots import COMPONENTS, LimitShares, percent_panel, quantities_panel
 from mrts.scaling.limit_use import all_quantities, limited_rows
-from mrts.simulation.simulate import Simulation
+from mrts.simulation.simulate import ReserveSearch, Simulation
 
 KINDS = {"torque": ("torque", ""), **{what: ("wrench", first) for first, what in COMPONENTS.items()}}
 """What is drawn: the kind of its rows, and how their elements begin."""
@@ -50,3 +61,33 @@ def _closed_loop_panel(found: Simulation) -> Panel:
     moving = found.played.time <= found.plan.duration
     of = LimitShares.ranked("in closed loop", [name.short for name in used.rows], np.maximum(used.share[moving], 0.0))
     return percent_panel(of, found.played.time[moving])
+
+
+def stops_plot(stops: Stops) -> Plot:
+    """Time and distance of the longest stop from every place of a plan."""
+    rows = []
+    for name, unit, y in (("time", "ms", 1e3 * stops.stop_time), ("distance", "mm", 1e3 * stops.distance)):
+        y_axis = Axis(label=f"stop {name} [{unit}]", ends=value_ends(y[np.isfinite(y)], np.empty(0)))
+        rows.append([Panel(x=time_axis(stops.time), y=y_axis, items=[Line(x=stops.time, y=y, unit=unit)])])
+    return Plot(name="stops", title=f"{stops.cell}: {stops.sentence()}", rows=rows, shared=True, clock="played")
+
+
+def reserve_plot(search: ReserveSearch) -> Plot:
+    """Duration against the reserve of every plan that was tried, with the largest use of a limit when it was played."""
+    plans = [each for each in search.tried if each.largest]
+    reserve, duration = (np.array([getattr(each, name) for each in plans]) for name in ("reserve", "duration"))
+    items: list[Item] = [Line(x=100 * reserve, y=duration, color="#888", unit=None)]
+    looks: dict[bool, dict[str, Any]] = {
+        True: {"label": "keeps all limits when it is played", "color": ADMISSIBLE},
+        False: {"label": "passes limits", "color": COLOURS[1], "symbol": "cross"},
+    }
+    for kept, look_of in looks.items():
+        own = [place for place, each in enumerate(plans) if each.kept == kept]
+        if own:
+            texts = [f"{100 * (plans[place].largest or 0.0):.1f} %" for place in own]
+            items.append(Points(x=100 * reserve[own], y=duration[own], texts=texts, **look_of))
+    panel = Panel(
+        title="Duration by the reserve, with the largest use of a limit",
+        x=Axis(label="reserve [% of every limit]"), y=Axis(label="duration [s]"), items=items,
+    )  # fmt: skip
+    return one_panel("reserve", panel)

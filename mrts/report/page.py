@@ -2,12 +2,15 @@
 """The page of a result, of a plan in closed loop, or of a study."""
 
 from pathlib import Path
+from types import NoneType
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError
+from mrts.override.speed_override import Stops
 from mrts.plots import phase_plane, range_plots, study_plots, trajectory_plots
 from mrts.plots.card import answer_card
-from mrts.plots.plan_plots import simulation_plot
+from mrts.plots.plan_plots import simulation_plot, stops_plot
 from mrts.plots.study_plots import StudyTable
 from mrts.report import tables
 from mrts.report.document import document
@@ -18,22 +21,28 @@ from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
 
 
-def write_report(result: ScalingResult | RetimingResult | Simulation | StudyTable, path: Path | str) -> None:
+def write_report(
+    result: ScalingResult | RetimingResult | Simulation | StudyTable, path: Path | str, stops: Stops | None = None
+) -> None:
     """Write a report: one HTML file that opens offline.
 
     Args:
         result: Any result, feasible or not; one of `mrts.retime` begins with its timing. Or what `mrts.simulate`
             found, or a study, as `mrts.plots.read_study_table` reads it.
         path: The file.
+        stops: What stops take, from `SpeedOverride.stops`, where a page of a scaled or timed motion is to show it.
 
     Raises:
-        InputError: If plotly or Jinja is not installed, or the file cannot be written.
+        InputError: If plotly or Jinja is not installed, stops come with anything else, or the file cannot be written.
     """
     check_type("result", result, ScalingResult, RetimingResult, Simulation, StudyTable)
-    write_text_atomically(as_path("path", path), report_html(result))
+    check_type("stops", stops, Stops, NoneType)
+    if stops is not None and not isinstance(result, ScalingResult | RetimingResult):
+        raise InputError("stops", "go with a result of mrts.scale or mrts.retime.")
+    write_text_atomically(as_path("path", path), report_html(result, stops))
 
 
-def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable) -> str:
+def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable, stops: Stops | None = None) -> str:
     """A report as text, with arguments of `write_report`; the same result gives the same text."""
     if isinstance(result, StudyTable):
         title = f"{result.name}: {result.variants} variants"
@@ -65,6 +74,8 @@ def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable
         phase_plane=phase_plane,
         range_plots=range_plots,
         trajectory_plots=trajectory_plots,
+        stops=stops,
+        stops_plot=stops_plot,
     )
 
 

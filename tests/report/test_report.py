@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import DATA
 from report_pages import data_of, own_text
 from shipped_cells import still_motion
 from shown_results import AWKWARD, UGLY_JOINTS, with_awkward_names
@@ -129,3 +130,26 @@ def test_changes_are_a_table_of_what_each_does_and_what_limits_then(lifted):
     first = found.changes[0]
     assert f"<td>{first.change}</td><td>{first.effect}</td>" in text
     assert ("what-if" in sections(text), "what-if" in sections(report_html(lifted))) == (True, False)
+
+
+def test_stops_are_told_and_drawn_where_they_are_asked_for(planar_cell, lift, tmp_path, capsys):
+    plan = mrts.retime(planar_cell, lift, rates=20, reserve=0.5)
+    mrts.save_result(plan, tmp_path / "result.npz")
+    asked = ["report", str(tmp_path / "result.npz"), "-o", str(tmp_path / "report.html")]
+    cell = ["--cell", str(DATA / "cell.yaml")]
+    longest = []
+    for rates in (None, 80):
+        stops = mrts.SpeedOverride(plan, rates=rates).stops()
+        assert main([*asked, *cell, *([] if rates is None else ["--rates", str(rates)])]) == 0
+        text = (tmp_path / "report.html").read_text(encoding="utf-8")
+        assert stops.sentence()[1:] in text
+        time, distance = (np.array(trace["y"], dtype=float) for trace in data_of(text)["plots"]["plot-stops"]["data"])
+        np.testing.assert_allclose(time, 1e3 * stops.stop_time, rtol=DRAWN)
+        np.testing.assert_allclose(distance, 1e3 * stops.distance, rtol=DRAWN)
+        longest.append(np.max(time))
+    assert longest[1] > longest[0]
+    assert "stops" not in sections(report_html(plan))
+    assert main([*asked, "--rates", "80"]) == 2
+    assert main(["report", str(tmp_path), *cell]) == 2
+    told = capsys.readouterr().err
+    assert [key in told for key in ("--rates", "--cell")] == [True, True]

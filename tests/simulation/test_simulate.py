@@ -11,6 +11,7 @@ from shipped_cells import DATA
 
 import mrts
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.plots import reserve_plot
 from mrts.simulation import simulate as simulation
 from mrts.simulation.controller import with_settings
 
@@ -235,6 +236,19 @@ def test_the_search_ends_at_the_least_that_keeps_all(lifted, monkeypatch, most, 
         assert search.found is lifted
 
 
+def test_the_figure_of_a_search_has_every_plan_by_whether_it_keeps_all_limits():
+    tried = (
+        simulation.TriedReserve(0.0, 0.4, 1.2, "a"),
+        simulation.TriedReserve(0.1, 0.5, 0.9, "a", kept=True),
+        simulation.TriedReserve(0.5),
+    )
+    ((panel,),) = reserve_plot(simulation.ReserveSearch(None, tried)).rows
+    line, kept, passed = panel.items
+    for drawn, places in ((line, [(0, 0.4), (10, 0.5)]), (kept, [(10, 0.5)]), (passed, [(0, 0.4)])):
+        assert [*zip(drawn.x, drawn.y, strict=True)] == places
+    assert (kept.texts, passed.texts) == (["90.0 %"], ["120.0 %"])
+
+
 def test_what_needs_no_reserve_has_none(lifted, monkeypatch):
     monkeypatch.setattr(simulation, "simulate", lambda *_: Played(0.5))
     assert mrts.least_reserve(lambda _: lifted).reserve == 0
@@ -256,7 +270,8 @@ def test_the_command_finds_a_plan_that_is_kept(tmp_path):
         DATA / "dual_ur5" / "lift_and_turn.yaml",
         tmp_path / "plan.csv",
     )
-    done = mrts_command("scale", cell, motion, "--reserve", "auto", "--csv", plan)
+    done = mrts_command("scale", cell, motion, "--reserve", "auto", "--csv", plan, "--plot", tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "reserve.png").exists()
     assert mrts_command("simulate", cell, plan).returncode == 0
     assert mrts_command("configurations", cell, motion, "--reserve", "auto").returncode == 2
