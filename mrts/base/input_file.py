@@ -79,11 +79,7 @@ def read_data(path: Path, what: str) -> Any:
     """
     text = read_text(path, what, MAX_YAML_BYTES)
     if text.lstrip("\ufeff \n").startswith(XML):
-        rule = (
-            f"this is XML, and a {what} belongs here; `mrts new DIR --robot URDF` makes one of a URDF, and `mrts check "
-            "URDF` checks it."
-        )
-        raise InputError(path, rule)
+        raise InputError(path, f"this is XML, and a {what} belongs here; `mrts new DIR --robot URDF` makes one.")
     try:
         return parse_yaml(text)
     except ValueError as error:
