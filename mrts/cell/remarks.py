@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import plane_normal
 from mrts.base.words import first_names
+from mrts.cell.record import BodyShape, mesh_surface
 from mrts.cell.robot import DEGREES_SUSPECTED
 
 if TYPE_CHECKING:
@@ -18,6 +21,18 @@ if TYPE_CHECKING:
 
 WIDE = 10.0
 """Lengths of an arm that no object's radius of gyration has."""
+
+OF_SHAPE = 1 / 17, 1.5
+"""Least and largest radius of gyration as a share of how far the shape, which may leave parts out, reaches."""
+
+HEAVY = 30.0
+"""Times the weight that the motors of all arms together hold at arm's length: the mass is in grams."""
+
+ANY_JOINT = 1000.0
+"""Effort that no arm has in each of its joints, the last included [N m or N]."""
+
+FEWEST_JOINTS = 3
+"""Joints from which on equal efforts are no accident."""
 
 EARTHLY = (9.0, 10.5)
 """Sizes of a gravity that is meant to be the earth's [m/s²]."""
@@ -70,7 +85,8 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
     yield from _gravity(cell.gravity)
     for robot in cell.robots:
         yield from urdf_remarks(robot)
-    yield from _inertia(cell)
+        yield from _placeholders(robot)
+    yield from _load(cell)
     yield from missing_masses(cell.robots)
     of_urdf = [robot.name for robot in cell.robots if robot.source.effort is not None]
     if of_urdf:
@@ -127,15 +143,59 @@ def _gravity(gravity: Array) -> Iterator[Remark]:
         yield Remark.hint("gravity-upward", text)
 
 
-def _inertia(cell: "Cell") -> Iterator[Remark]:
-    longest = max(map(_arm_length, cell.robots))
-    radius = float(np.sqrt(np.max(np.linalg.eigvalsh(cell.inertia)) / cell.mass))
-    if radius > WIDE * longest > 0:
+def _placeholders(robot: "Robot") -> Iterator[Remark]:
+    far = robot.turns & (np.abs(robot.posture) > WHOLE_TURN)
+    if np.any(far):
+        yield Remark.hint(
+            "posture-degrees",
+            f"the posture of robot '{robot.name}' has {robot.joints[int(np.argmax(far))]} beyond a whole turn: "
+            "is it in degrees? It must be in rad.",
+        )
+    efforts = {*robot.torque_upper.tolist()}
+    if torque_source(robot) == "URDF" and len(robot.joints) >= FEWEST_JOINTS and len(efforts) == 1:
+        effort = efforts.pop()
+        if ANY_JOINT <= effort < np.inf:
+            yield Remark(
+                "effort-placeholders",
+                f"the URDF of robot '{robot.name}' allows {effort:g} N m in every joint, which looks like a "
+                "placeholder: give the data sheet's as 'torque'",
+            )
+
+
+def _load(cell: "Cell") -> Iterator[Remark]:
+    lengths = [max(_arm_length(robot), 1e-3) for robot in cell.robots]
+    held = sum(float(np.max(robot.torque_upper)) / length for robot, length in zip(cell.robots, lengths, strict=True))
+    weight = float(np.linalg.norm(cell.gravity)) * cell.mass
+    if weight > HEAVY * held > weight / 1000:
+        text = f"the object weighs {weight:.4g} N, and the motors hold about {held:.3g} N: is its mass in g, not kg?"
+        yield Remark.hint("mass-grams", text)
+        return
+    normals = np.linalg.eigh(cell.inertia)[1] if cell.plane is None else plane_normal(cell.plane)[:, None]
+    radius = float(np.sqrt(np.max(np.sum(normals * (cell.inertia @ normals), axis=0)) / cell.mass))
+    if radius > WIDE * max(lengths):
         yield Remark.hint(
             "inertia-unit",
             f"the object's inertia is that of a body {radius:.3g} m wide on each side of its axis (the radius of "
             "gyration): it must be in kg m², with a mass in kg. 1 kg mm² is 1e-6 kg m², 1 g mm² is 1e-9 kg m².",
         )
+    elif cell.object_shape is not None:
+        reach = _reach(cell, cell.object_shape)
+        if not OF_SHAPE[0] * reach <= radius <= OF_SHAPE[1] * reach:
+            yield Remark.hint(
+                "inertia-unlike-shape",
+                f"the object's inertia has a radius of gyration of {radius:.3g} m, and its shape reaches {reach:.3g} m: "
+                "without 'inertia', a 'shape' gives that of a uniform body.",
+            )
+
+
+def _reach(cell: "Cell", shape: BodyShape) -> float:
+    """How far a shape reaches from the object's origin at most [m]."""
+    if shape.mesh is not None:
+        corners = mesh_surface(shape, cell.surfaces)[0]
+    else:
+        of = shape.cylinder
+        corners = np.array(shape.box)[None] / 2 if of is None else np.array([[of.radius, of.radius, of.length / 2]])
+    return float(np.max(np.linalg.norm(corners, axis=1))) + float(np.linalg.norm(shape.pose.xyz))
 
 
 def _arm_length(robot: "Robot") -> float:

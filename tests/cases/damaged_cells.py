@@ -31,6 +31,8 @@ HINTS = {
     "grasp in degrees": ("rpy-degrees", lambda cell, _, arm: _scale(cell["robots"][arm]["grasp"], "rpy", DEGREES)),
     "motion in degrees": ("rpy-degrees", lambda _cell, motion, _: _scale(motion["end"], "rpy", DEGREES)),
     "gravity upward": ("gravity-upward", lambda cell, *_: cell.update(gravity=[0, 0, 9.81])),
+    "posture in degrees": ("posture-degrees", lambda cell, _, arm: _scale(cell["robots"][arm], "posture", DEGREES)),
+    "mass in grams": ("mass-grams", lambda cell, *_: cell["object"].update(mass=8000.0)),
     "inertia in kg mm²": ("inertia-unit", lambda cell, *_: _scale(cell["object"], "inertia", 1e6)),
 }  # fmt: skip
 """The hint that each mistake must lead to, and the mistake."""

@@ -78,17 +78,29 @@ def friction(text):
     return text.replace("</joint>", '<dynamics damping="0.5" friction="1.0"/></joint>')
 
 
+def carries(**keys):
+    return lambda cell, _: cell["object"].update(keys)
+
+
 def weightless(text):
     return re.sub(r"<inertial>.*?</inertial>", "", text, count=2, flags=re.DOTALL)
 
 
-BAD = {"urdf-friction": of_urdf(friction), "links-without-mass": of_urdf(weightless)}
+BAD = {
+    "effort-placeholders": [of_urdf(lambda text: re.sub('effort="[^"]*"', 'effort="5e4"', text))],
+    "inertia-unlike-shape": [
+        carries(mass=4.0, inertia=[4, 4, 4], shape={"box": [0.25, 0.25, 0.25]}),
+        carries(mass=4.0, inertia=[4e-6] * 3, shape={"cylinder": {"radius": 0.1, "length": 0.2}}),
+    ],
+    "urdf-friction": [of_urdf(friction)],
+    "links-without-mass": [of_urdf(weightless)],
+}
 
 
-@pytest.mark.parametrize("code", BAD)
-def test_every_command_tells_what_a_check_does(code, tmp_path, capsys):
+@pytest.mark.parametrize(("code", "damage"), [(code, damage) for code, some in BAD.items() for damage in some])
+def test_every_command_tells_what_a_check_does(code, damage, tmp_path, capsys):
     cell, motion = sound()
-    BAD[code](cell, tmp_path)
+    damage(cell, tmp_path)
     paths = [str(path) for path in written(tmp_path, cell, motion)]
     checked = mrts.check(*paths)
     remark = next(one for one in checked.remarks if one.code == code)
