@@ -199,7 +199,8 @@ class Draw:
         if kind == "gripper":
             return {"gripper": surface | {"force": force, "axis": direction}}
         bound = rng.uniform(20, 200, len(self.components()))
-        return {"box": {"lower": (-bound).tolist(), "upper": bound.tolist()}}
+        sides = {"lower": (-bound).tolist(), "upper": bound.tolist()}
+        return {"box": sides | {"frame": str(rng.choice(["tip", "object"]))}}
 
     def _motors(self, torque: Any) -> dict[str, Any]:
         """Rotor inertia, friction, a curve and rates, in proportion to the torques."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from inspect import Parameter, signature
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, TypeGuard
+from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from mrts.base.input_file import LARGEST_NUMBER, plain
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.rigid_transform import multiply
 
+Frame = Literal["tip", "object", "base"]
+
 SHORTEST_DIRECTION = 1e-9
 """A direction is given by numbers near 1: what is shorter is zero, misprinted."""
 
@@ -28,7 +30,7 @@ OUT_OF_PLANE = 1e-9
 
 NOT_IN_PLANE = (
     "is in tip axes, of which one must be normal to the plane of a planar cell. Turn the tip frame in the URDF and the "
-    "grasp with it, or give 'wrench', which is in base axes."
+    "grasp with it, or give a box in the frame of the object or the base."
 )
 
 
@@ -36,11 +38,12 @@ NOT_IN_PLANE = (
 class Contact(MadeAgain):
     """r rows lower <= A F <= upper over the wrench F that a hand exerts **on the object** at its contact point.
 
-    F is in axes of the tip link, whose origin is the contact point: moments are about it. Several contacts of one
-    robot must all hold for its one wrench. Make them by `mrts.pad_contact` and its neighbours, or row by row.
+    The contact point is the tip frame's origin: moments are about it in every frame. Several contacts of one robot
+    must all hold for its one wrench. Make them by `mrts.pad_contact` and its neighbours, or row by row.
 
     Attributes:
         name: Such as "pad", without blanks; each contact of a robot has its own.
+        frame: In which axes F is: of the "tip" link, of the "object", or of the robot's "base".
         rows: What each row limits, such as "friction +a".
         units: One a row.
         A: Shape (r, w).
@@ -54,6 +57,7 @@ class Contact(MadeAgain):
     """
 
     name: str
+    frame: Frame
     rows: Annotated[tuple[str, ...], Shape("r"), Rule(min_length=1)]
     units: Annotated[tuple[str, ...], Shape("r")]
     A: Annotated[Array, Shape("r", "w", finite=True)]
@@ -83,7 +87,7 @@ class Contact(MadeAgain):
             raise InputError(where, rule, key="lower, upper", value=[float(self.lower[row]), float(self.upper[row])])
 
     def __repr__(self) -> str:
-        return f"<Contact '{self.name}': {len(self.rows)} rows>"
+        return f"<Contact '{self.name}': {len(self.rows)} rows in {self.frame} axes>"
 
 
 def holds(values: object, count: int) -> TypeGuard[Sequence[Any]]:
@@ -184,7 +188,7 @@ def in_object_axes(rows: Array, R_object_tip: Array, components: Sequence[str]) 
     """Rows over a wrench in tip axes as rows over it in object axes, Shape (r, w)."""
     there = tip_components(components, R_object_tip)
     if there is None:
-        raise InputError("contact", NOT_IN_PLANE)
+        raise InputError("contact", NOT_IN_PLANE, key="frame", value="tip")
     turn = R_object_tip[np.ix_(triple_axes(components), triple_axes(there))].T
     return in_tip_axes(rows, turn)
 
@@ -248,6 +252,7 @@ def box_contact(
     *,
     lower: Sequence[float | None] | None = None,
     upper: Sequence[float | None] | None = None,
+    frame: Frame = "tip",
     components: Sequence[str] = WRENCH_COMPONENTS,
     name: str = "box",
 ) -> Contact:
@@ -256,7 +261,8 @@ def box_contact(
     Args:
         lower: None is unbounded, a component or the whole side; equal sides fix a component, Shape (w,) [N, N m].
         upper: Likewise.
-        components: Of the wrench in tip axes.
+        frame: Axes of F: "tip", "object" or "base".
+        components: Of the wrench in these axes.
         name: Of the contact.
 
     Raises:
@@ -269,12 +275,13 @@ def box_contact(
         raise InputError("contact", "must limit something: give numbers in lower or upper, or leave the box out.")
     return Contact(
         name=name,
+        frame=frame,
         rows=tuple(components[place] for place in limited),
         units=tuple(WRENCH_UNITS[components[place]] for place in limited),
         A=np.eye(len(components))[limited],
         lower=least[limited],
         upper=most[limited],
-        given=as_given("box", lower=without_infinity(least), upper=without_infinity(most)),
+        given=as_given("box", lower=without_infinity(least), upper=without_infinity(most), frame=frame),
     )
 
 
@@ -306,6 +313,7 @@ def rows_contact(
         raise InputError("contact", rule, key="A", value=A)
     return Contact(
         name=name,
+        frame="tip",
         rows=tuple(str(row) for row in range(1, len(rows) + 1)),
         units=("",) * len(rows),
         A=rows,
@@ -426,6 +434,7 @@ def gripper_contact(
     rows = _in_plane(mu, *widths) if len(widths) == 1 else _in_space(mu, *widths)
     return Contact(
         name=name,
+        frame="tip",
         rows=tuple(rows),
         units=("N",) * len(rows),
         A=in_tip_axes(np.array(list(rows.values())), axes),
@@ -472,10 +481,11 @@ def read_contacts(
     in_tip, contacts = tip_components(components, R_object_tip), []
     given = [pair for entry in entries for pair in entry.items()]
     for place, ((kind, arguments), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):
+        there = in_tip if arguments.get("frame", "tip") == "tip" else components
         try:
-            if in_tip is None:
+            if there is None:
                 raise InputError("", NOT_IN_PLANE)  # noqa: TRY301 (told of its place with the others)
-            contacts.append(KINDS[kind](**arguments, components=in_tip, name=name))
+            contacts.append(KINDS[kind](**arguments, components=there, name=name))
         except InputError as error:
             raise error.inside(where, f"{key}[{place}].{kind}") from None
     return tuple(contacts)
@@ -551,6 +561,7 @@ def _surface_contact(
     rows = np.array([along, *(row - along for row in needed.values())])
     return Contact(
         name=name,
+        frame="tip",
         rows=("normal force", *needed),
         units=("N",) * len(rows),
         A=in_tip_axes(rows, axes),

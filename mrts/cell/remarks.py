@@ -183,7 +183,7 @@ def _load(cell: "Cell") -> Iterator[Remark]:
         if not OF_SHAPE[0] * reach <= radius <= OF_SHAPE[1] * reach:
             yield Remark.hint(
                 "inertia-unlike-shape",
-                f"the object's inertia has a radius of gyration of {radius:.3g} m, and its shape reaches {reach:.3g} m: "
+                f"the object's inertia has a radius of gyration of {radius:.3g} m, its shape reaches {reach:.3g} m: "
                 "without 'inertia', a 'shape' gives that of a uniform body.",
             )
 

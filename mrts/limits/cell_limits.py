@@ -25,7 +25,7 @@ def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
 
 
 def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
-    """Rows lower <= A F_i <= upper of every contact of every robot, in axes of the object."""
+    """Rows lower <= A F_i <= upper of every contact of every robot, in base axes or in those of the object."""
     contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
     if not contacts:
         return None
@@ -34,15 +34,20 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
         for robot, contact in contacts
         for row, unit in zip(contact.rows, contact.units, strict=True)
     )
-    in_object = np.zeros((len(names), len(cell.robots) * len(cell.wrench_components)))
+    in_base, in_object = np.zeros((2, len(names), len(cell.robots) * len(cell.wrench_components)))
     start = 0
     for robot, contact in contacts:
         rows = slice(start, start + len(contact.rows)), cell.wrench_slices[robot.name]
-        in_object[rows] = in_object_axes(contact.A, robot.T_object_tip.R, cell.wrench_components)
+        if contact.frame == "base":
+            in_base[rows] = contact.A
+        elif contact.frame == "object":
+            in_object[rows] = contact.A
+        else:
+            in_object[rows] = in_object_axes(contact.A, robot.T_object_tip.R, cell.wrench_components)
         start += len(contact.rows)
     lower, upper = (np.concatenate([getattr(contact, side) for _, contact in contacts]) for side in ("lower", "upper"))
-    turns = {"object_matrix": in_object, "object_axes": object_axes(cell, motion)}
-    return LimitRows.of(cell, names, lower, upper, **turns)
+    turns = {"object_matrix": in_object, "object_axes": object_axes(cell, motion)} if np.any(in_object) else {}
+    return LimitRows.of(cell, names, lower, upper, wrench_matrix=in_base, **turns)
 
 
 def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

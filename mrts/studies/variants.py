@@ -294,7 +294,7 @@ class VariantBatch:
     def _of_robot(self, robot: int, *keys: str | int) -> list[Place]:
         cell, frame, angle = self._cell, GRAVITY_SIZE + ROBOT_SIZE * robot, LARGEST_ANGLE
         joints, wrenches = ([*slices.values()][robot].start for slices in (cell.joint_slices, cell.wrench_slices))
-        in_tip = bool(cell.robots[robot].contacts)  # rows that turn with it
+        in_tip = any(contact.frame == "tip" for contact in cell.robots[robot].contacts)  # rows that turn with it
         turns = {"base": cell.plane is None, "grasp": cell.plane is None and not in_tip}
         match keys:
             case "posture", int(joint):

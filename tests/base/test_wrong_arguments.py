@@ -70,7 +70,7 @@ def good(planar_cell):
     smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "least_energy_in": None}
     smooth |= {"distribute": "least-torque"}
     return {
-        "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6} | named,
+        "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
         "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,
         "identify": {"cell": planar_cell, "recording": "recorded.csv", "cutoff": 10.0},
         "hold_here": {"cell": planar_cell, "xyz": [1.25, 0.95, 0.0], "rpy": [0.0, 0.0, 0.1]},

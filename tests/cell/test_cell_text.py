@@ -31,7 +31,7 @@ def equipped(cell, rng):
             power=rng.uniform(1, 100, n),
         )
         lower = [-5.0, None, *([0.0] * (w - 2))]
-        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), components=cell.wrench_components)
+        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), frame="base", components=cell.wrench_components)
         rpy = rng.uniform(-3, 3, 3) * ([1, 0.5, 1] if cell.plane is None else [0, 0, 1])  # a plane is not left
         changes = {
             "motors": motors,
@@ -88,7 +88,7 @@ def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
         mrts.suction_contact(holding_force=80, friction=0.5, radius=0.03, normal=[0, 0, 1]),
         mrts.gripper_contact(force=60, friction=0.5, half_width=[0.02, 0.03], axis=[0, 1, 0]),
         mrts.rows_contact(A=np.vstack([np.eye(6), -np.eye(6)]), upper=np.full(12, 50.0)),
-        mrts.box_contact(lower=[-np.inf, -5, -5, -5, -5, -5], upper=None),
+        mrts.box_contact(lower=[-np.inf, -5, -5, -5, -5, -5], upper=None, frame="object"),
     )
     cell = with_robots(cell, contacts=hands)
     text = cell.to_yaml(tmp_path / "cell.yaml")

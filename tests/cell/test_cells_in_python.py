@@ -62,7 +62,7 @@ CHANGES = {
         "robots.right.wrench": {"lower": [None, *(-abs(x[1:])).tolist()], "upper": [*x[:5] ** 2, None]}
     },
     "motors": lambda x: {"robots.left.motors": {"rated": (abs(x) + 1).tolist(), "armature": abs(x[0])}},
-    "a hand": lambda x: {"robots.left.contact": [{"box": {"upper": (abs(x) + 1).tolist()}}]},
+    "a hand": lambda x: {"robots.left.contact": [{"box": {"upper": (abs(x) + 1).tolist(), "frame": "object"}}]},
     "gravity and mass": lambda x: {"gravity": x[:3], "object.mass": np.int64(abs(x[0]) + 1)},
 }
 

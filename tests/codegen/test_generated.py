@@ -90,8 +90,8 @@ HOSTILE = {
     "no mass": lambda data: data["cell"].update(load=[0.0] * 10),
     "a limit that is no number": lambda data: data["cell"]["robots"][0].update(torque_upper=["x", 1.0, 1.0]),
     "half a motor": lambda data: data["cell"]["robots"][0]["motors"].pop("coulomb"),
-    "half a contact": lambda data: data["cell"]["robots"][0].update(
-        contacts=[{"name": "x", "rows": ["a"], "units": ["N"], "A": [[1.0, 0, 0]], "lower": [0.0]}]
+    "a contact in no frame": lambda data: data["cell"]["robots"][0].update(
+        contacts=[{"name": "x", "frame": "y", "rows": ["a"], "units": ["N"], "A": [[1.0, 0, 0]], "lower": [0.0]}]
     ),
 }
 

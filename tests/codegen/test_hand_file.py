@@ -25,13 +25,14 @@ def planar_with(contacts, place, **change):
 
 def test_contacts_are_read_in_order_and_named_by_kind(tmp_path):
     rows = {"A": [[0, 0, -1, 0, 0, 0], [0, 0, 1, 0, 0, 0]], "upper": [3, 200]}
-    box = {"upper": [None, 40, None, None, None, 3]}
+    box = {"upper": [None, 40, None, None, None, 3], "frame": "object"}
     given = [{"pad": PAD}, {"suction": CUP}, {"gripper": JAWS}, {"rows": rows}, {"box": box}, {"pad": PAD}]
     cell = mrts.load_cell(cell_with(given, tmp_path))
     left, right = cell.robots
     assert right.contacts == ()
     assert [contact.name for contact in left.contacts] == ["pad", "suction", "gripper", "rows", "box", "pad2"]
     assert [len(contact.rows) for contact in left.contacts] == [17, 17, 30, 2, 2, 17]
+    assert [contact.frame for contact in left.contacts] == ["tip"] * 4 + ["object", "tip"]
     made = pad_contact(friction=0.5, normal=[0, 0, 1], half_width=[0.03, 0.02], force=[0, 100])
     read = left.contacts[0]
     assert read.rows == made.rows
@@ -58,6 +59,7 @@ WRONG = [
     ([{"box": {}}], "[0].box", "must limit something"),
     ([{"box": {"upper": [1, 2, 3]}}], "[0].box.upper", "must have 6 values (fx, fy, fz, nx, ny, nz)"),
     ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower[0] = 2", "of fx must be at most the upper one, 1"),
+    ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be 'tip', 'object' or 'base'"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0]], "upper": [1]}}], "[0].rows.A", "each of fx, fy"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0, 0]], "upper": [1, 2]}}], "[0].rows.A", "2 rows, as many as upper"),
     ([{"rows": {"A": [[0] * 6], "upper": [1]}}], "[0].rows.lower, upper", "row '1' must hold a number beside 0"),
@@ -107,8 +109,8 @@ def test_tip_axes_of_a_planar_cell_are_those_in_its_plane(tmp_path):
         mrts.load_cell(planar_with([{"box": wrong}], tmp_path, grasp=grasp, **change))
     limits = {"lower": [-3, -4, -2], "upper": [5, 6, 0.5]}
     turned = mrts.load_cell(planar_with([{"box": limits}], tmp_path, grasp=grasp, **change))
-    # tip x, z, y are those of the straight one x, -y, z up to sign: R = Rx(90°) turns z to -y and y to z
-    same = {"lower": [-3, -6, -2], "upper": [5, 4, 0.5]}
+    # tip x, z, y are object x, -y, z up to sign: R = Rx(90°) turns z to -y and y to z
+    same = {"lower": [-3, -6, -2], "upper": [5, 4, 0.5], "frame": "object"}
     straight = mrts.load_cell(planar_with([{"box": same}], tmp_path, wrench={}))
     lift = mrts.load_motion(DATA / "lift.yaml")
     ours, theirs = mrts.scale(turned, lift), mrts.scale(straight, lift)
@@ -119,3 +121,5 @@ def test_tip_axes_of_a_planar_cell_are_those_in_its_plane(tmp_path):
     askew = {"xyz": [-1.1, 0, 0], "rpy": [0.3, 0, 0]}
     with pytest.raises(mrts.InputError, match="one must be normal to the plane"):
         mrts.load_cell(planar_with([{"box": limits}], tmp_path, grasp=askew, **change))
+    again = mrts.load_cell(planar_with([{"box": same}], tmp_path, grasp=askew, **change))
+    assert mrts.scale(again, lift).range.upper.c2 == pytest.approx(theirs.range.upper.c2, rel=1e-9)

@@ -14,6 +14,13 @@ SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
 
 
+def with_contacts(cell, *of_robots):
+    """The cell with other contacts and no other limits of wrenches, robot by robot."""
+    free = cell.without_wrench_limits()
+    robots = (replace(robot, contacts=own) for robot, own in zip(free.robots, of_robots, strict=True))
+    return replace(free, robots=tuple(robots))
+
+
 def random_contacts(rng, cell):
     """Contacts that leave room for the wrenches of a plan without them, of random kinds, and some that are tight."""
     contacts = []
@@ -34,8 +41,13 @@ def random_contacts(rng, cell):
         )
         most = rng.uniform(5, 60, size).tolist()
         least = [-value for value in most]
-        box = box_contact(lower=least, upper=most, components=components)
-        kinds = [(held,), (cup,), (held, box), (box,), (pressed,), ()]
+        boxes = [
+            box_contact(lower=least, upper=most, frame=frame, components=there, name=f"box{number}")
+            for number, (frame, there) in enumerate(
+                (("tip", components), ("object", cell.wrench_components), ("base", cell.wrench_components))
+            )
+        ]
+        kinds = [(held,), (cup,), (held, boxes[0]), (boxes[1], boxes[2]), (pressed,), ()]
         contacts.append(kinds[int(rng.choice(len(kinds), p=[0.25, 0.15, 0.2, 0.2, 0.1, 0.1]))])
     robots = (replace(robot, contacts=own) for robot, own in zip(cell.robots, contacts, strict=True))
     return replace(cell, robots=tuple(robots))
@@ -70,19 +82,26 @@ def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
     assert contacts_bind > 1
 
 
-def test_a_box_in_tip_axes_is_the_limit_that_it_is_in_base_axes(dual_ur5):
+def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
     """Along a motion that does not turn, in a cell whose left base does not, and its grasps by quarter turns only."""
     path = {"start": {"xyz": [0.0, 0.1, 0.35]}, "end": {"xyz": [0.03, 0.2, 0.5]}}
     motion = sample_motion(MotionDescription(duration=0.4, samples=41, profile="quintic", **path))
     lower, upper = np.array([-30.0, -20, 5, -4, -3, -6]), np.array([60.0, 25, 90, 4, 5, 7])
-    free = dual_ur5.without_velocity_limits().without_wrench_limits()
-    left, right = free.robots
+    left, _ = dual_ur5.robots
     R = left.T_object_tip.R.round()
     np.testing.assert_allclose(R, left.T_object_tip.R, atol=1e-12)
     turned = [np.concatenate([R.T @ part for part in np.split(side, 2)]) for side in (lower, upper)]
-    box = box_contact(lower=np.minimum(*turned).tolist(), upper=np.maximum(*turned).tolist())
-    of_left = replace(left, contacts=(box,)), replace(left, wrench_lower=lower, wrench_upper=upper)
-    by_box, by_wrench = (mrts.scale(replace(free, robots=(one, right)), motion) for one in of_left)
-    assert np.all((lower - 1e-6 <= by_box.wrench["left"]) & (upper + 1e-6 >= by_box.wrench["left"]))
-    assert by_box.range.upper.c2 == pytest.approx(by_wrench.range.upper.c2, rel=SAME)
-    np.testing.assert_allclose(by_box.trajectory.torque, by_wrench.trajectory.torque, atol=1e-6)
+    sides = {
+        "object": (lower, upper),
+        "base": (lower, upper),
+        "tip": (np.minimum(*turned), np.maximum(*turned)),
+    }
+    found = {}
+    for frame, (least, most) in sides.items():
+        own = (box_contact(lower=least.tolist(), upper=most.tolist(), frame=frame),)
+        found[frame] = mrts.scale(with_contacts(dual_ur5, own, ()).without_velocity_limits(), motion)
+        F = found[frame].wrench["left"]
+        assert np.all((lower - 1e-6 <= F) & (upper + 1e-6 >= F))
+    for result in found.values():
+        assert result.range.upper.c2 == pytest.approx(found["base"].range.upper.c2, rel=SAME)
+        np.testing.assert_allclose(result.trajectory.torque, found["base"].trajectory.torque, atol=1e-6)
