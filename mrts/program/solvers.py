@@ -178,7 +178,7 @@ DAQP: Solver = partial(qpsol, "daqp", {"error_on_fail": False})
 
 SOLVERS: dict[str, Solver] = {"kernel": kernel, "qpsol:qpoases": QPOASES}
 
-FALLBACKS = (QPOASES, DAQP)
+FALLBACKS = (kernel, QPOASES, DAQP)
 """Asked in this order for what the chosen solver does not get right. DAQP is no choice by itself: it gets the quadratic
 programs that qpOASES leaves."""
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
@@ -20,7 +21,7 @@ from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.widening import motion_widening
-from mrts.timing.path_pieces import PLACES, root_mean_square, with_samples
+from mrts.timing.path_pieces import PLACES, PathPiece, path_pieces, root_mean_square, with_samples
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
 
@@ -83,7 +84,7 @@ def refined_timing(
             own = share[part.piece.first :][: len(its)]
             own[:] = np.max(its.T.copy(), axis=0)  # faster by places than by segments
             if adds and turn == 0 and part.profile:
-                sharp = root_mean_square(np.diff(part.piece.path.dq, axis=0)) / SHARP
+                sharp = _turns(part.piece) / SHARP
                 own[sharp > 1] = np.maximum(own, tolerance * sharp**2)[sharp > 1]
         timed = replace(timed, excess=worst)
         if best.excess is None or worst.share < best.excess.share:
@@ -100,13 +101,33 @@ def refined_timing(
         count = np.ceil(np.sqrt(share[segment] / tolerance)).clip(2, PARTS).astype(int)  # excess goes as its square
         if timed.motion.samples + np.sum(count - 1) > most:
             break
-        time, segment = timed.motion.object.time, np.repeat(segment, count - 1)
-        place = np.concatenate([np.arange(1, of) / of for of in count.tolist()])
-        added = time[segment] * (1 - place) + time[segment + 1] * place
-        timed = again(with_samples(timed.cell, timed.motion, added), timed)
+        timed = again(_divided(timed.cell, timed.motion, segment, count), timed)
     if best.excess is None or not best.excess.passes:
         return best
     return replace(best, status=best.status.at_samples)
+
+
+def without_sharp_turns(cell: Cell, motion: CoordinatedMotion) -> CoordinatedMotion:
+    """A motion with its sharp turns divided, which may admit no speed as they are."""
+    turn = np.zeros(motion.samples - 1)
+    for piece in path_pieces(motion):
+        own = _turns(piece)
+        turn[piece.first :][: len(own)] = own
+    count = np.ceil(turn / SHARP).clip(1, PARTS).astype(int)
+    segment = np.flatnonzero(count > 1)
+    return _divided(cell, motion, segment, count[segment])
+
+
+def _turns(piece: PathPiece) -> Array:
+    return root_mean_square(np.diff(piece.path.dq, axis=0))
+
+
+def _divided(
+    cell: Cell, motion: CoordinatedMotion, segment: NDArray[np.int_], count: NDArray[np.int_]
+) -> CoordinatedMotion:
+    time, segment = motion.object.time, np.repeat(segment, count - 1)
+    place = np.concatenate([np.zeros(0), *(np.arange(1, of) / of for of in count.tolist())])
+    return with_samples(cell, motion, time[segment] * (1 - place) + time[segment + 1] * place)
 
 
 def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:

@@ -28,7 +28,7 @@ from mrts.scaling.options import Options, limited_cell
 from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
-from mrts.timing.between_samples import check_held_between, refined_timing
+from mrts.timing.between_samples import check_held_between, refined_timing, without_sharp_turns
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.path_pieces import smooth_nodes
 from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
@@ -114,6 +114,10 @@ def retime(
         check_held_between(cell, given)
 
     first = fastest_timing(asked, given)
+    stuck = first.status in {RetimingStatus.STANDSTILL, RetimingStatus.NOT_CONTROLLABLE}
+    if stuck and options.between is not None:
+        divided = fastest_timing(asked, without_sharp_turns(cell, given))
+        first = divided if divided.pieces else first
     fastest = refined_timing(first, partial(fastest_timing, asked), options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         unrated = replace(asked, options=replace(options, rates=None)).factor
