@@ -10,6 +10,7 @@ import io
 import logging
 import secrets
 import socket
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from errno import EADDRNOTAVAIL
@@ -56,7 +57,8 @@ def open_server(host: str, port: int, label: str) -> "GuardedServer":
 
 
 def close_server(server: viser.ViserServer) -> None:
-    """Stop the server, without a word."""
+    """Stop the server, without a word, also where a page sends what it cannot be answered any more."""
+    warnings.filterwarnings("ignore", "Queued a .* on a closed connection")
     with contextlib.redirect_stdout(io.StringIO()):
         server.stop()
 
