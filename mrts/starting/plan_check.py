@@ -307,6 +307,11 @@ def _at(motion: CoordinatedMotion, rows: NDArray[np.intp]) -> CoordinatedMotion:
 
 def _rates(cell: Cell, at_rows: CoordinatedMotion, torque: Array, wrench: Array, *, only_jerk: bool) -> list[LimitUse]:
     """Rates from row to row, where the cell limits them; those of torques that are not the file's say nothing."""
+    before, after = travel_directions(at_rows)
+    start = np.where(after[0] == 0, after[1], after[0])  # that of a smooth plan its next row alone tells
+    end = np.where(before[-1] == 0, before[-2], before[-1])
+    travel = np.stack([[start, *before[1:-1], end], [start, *after[1:-1], end]])
+    at_rows = replace(at_rows, travel=travel)
     done = ScaledTrajectory(cell, at_rows, 1.0, torque, wrench)
     result = ScalingResult(cell, at_rows, None, 1.0, done, 0, options=Options(load="nominal", between=None))
     return [use for use in rate_uses(result) if use.name.kind == "jerk" or not only_jerk]

@@ -70,6 +70,17 @@ def test_a_plan_of_mrts_is_fine_and_uses_its_limits_as_the_result_says(turned, d
     assert share(found, "end velocity") == 0
 
 
+def test_dry_friction_changes_no_rate_from_the_first_row_to_the_next(lift, tmp_path):
+    """A smooth plan starts and ends without acceleration: where a joint goes then, the next row tells."""
+    cell = shipped("planar_dual_arm")
+    for robot in cell["robots"]:
+        robot["motors"] = {"friction": {"coulomb": 2.0}, "torque_rate": 400.0}
+    cell = mrts.load_cell(cell_file(tmp_path, cell))
+    smooth = mrts.retime(cell, lift, rates=True)
+    found = mrts.check_plan(cell, table(tmp_path / "plan.csv", columns(smooth.retimed, tmp_path)))
+    assert share(found, "torque rate") == pytest.approx(1, abs=BETWEEN)
+
+
 def test_without_torques_the_share_is_the_least_that_any_have(turned, dual_ur5, plan, tmp_path):
     found = mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", plan, PARTS[:3]))
     best = 1 - turned.reserve.distributed.share
