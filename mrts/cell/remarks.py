@@ -85,7 +85,8 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
     yield from _gravity(cell.gravity)
     for robot in cell.robots:
         yield from urdf_remarks(robot)
-        yield from _placeholders(robot)
+        yield from _posture(robot)
+        yield from _efforts(robot)
     yield from _load(cell)
     yield from missing_masses(cell.robots)
     of_urdf = [robot.name for robot in cell.robots if robot.source.effort is not None]
@@ -143,7 +144,7 @@ def _gravity(gravity: Array) -> Iterator[Remark]:
         yield Remark.hint("gravity-upward", text)
 
 
-def _placeholders(robot: "Robot") -> Iterator[Remark]:
+def _posture(robot: "Robot") -> Iterator[Remark]:
     far = robot.turns & (np.abs(robot.posture) > WHOLE_TURN)
     if np.any(far):
         yield Remark.hint(
@@ -151,6 +152,9 @@ def _placeholders(robot: "Robot") -> Iterator[Remark]:
             f"the posture of robot '{robot.name}' has {robot.joints[int(np.argmax(far))]} beyond a whole turn: "
             "is it in degrees? It must be in rad.",
         )
+
+
+def _efforts(robot: "Robot") -> Iterator[Remark]:
     efforts = {*robot.torque_upper.tolist()}
     if torque_source(robot) == "URDF" and len(robot.joints) >= FEWEST_JOINTS and len(efforts) == 1:
         effort = efforts.pop()

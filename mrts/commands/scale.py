@@ -140,7 +140,7 @@ def run(
             found = replace(found, changes=found.what_if(progress=progress))
     with working("comparing with a constant factor"):
         card = None if verbose else answer_card(found)
-        lines = _words(found, card, search)[: 1 if brief else None]
+        lines = _words(found, card, search, brief=brief)
         plan = found if isinstance(found, ScalingResult) else found.retimed
         plan = None if plan is None or plan.trajectory is None else plan if rate is None else plan.at_rate(rate)
     with working("writing"):  # files first: whoever reads the lines may go away
@@ -163,9 +163,15 @@ def _is_automatic(given: dict[str, Any]) -> bool:
     return True
 
 
-def _words(found: "ScalingResult | RetimingResult", card: "Card | None", search: "ReserveSearch | None") -> list[str]:
+def _words(
+    found: "ScalingResult | RetimingResult", card: "Card | None", search: "ReserveSearch | None", *, brief: bool
+) -> list[str]:
     from mrts.output.summary_lines import answer_lines
 
+    if brief and card is not None:
+        for warning in found.warnings:
+            warn(warning.text)
+        return [f"{found.cell.name}: {card.outcome}"]
     return [*answer_lines(found, card), *([] if search is None else ["", *search.lines()])]
 
 

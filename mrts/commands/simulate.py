@@ -68,8 +68,10 @@ def run(
     with working(f"reading {plan}"):
         planned = _plan(compiled, plan)
     if override is not None:
-        word, _, seed = override.partition(":")
-        drawn = word == "random" and seed.isdecimal()
+        word, sign, seed = override.partition(":")
+        drawn = (word, sign) == ("random", ":")
+        if drawn and not seed.isdecimal():
+            raise InputError("override", "must be random:SEED with a whole number, or a CSV table.", value=override)
         draw["override"] = random_wishes(int(seed), planned.duration or 1.0) if drawn else read_wishes(override)
     with working(f"simulating {compiled.name}") as progress:
         found = simulate(planned, controller, errors, progress=progress, **draw)

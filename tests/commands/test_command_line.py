@@ -47,6 +47,16 @@ OPTIONS = {
 }  # fmt: skip
 
 
+def test_a_brief_answer_is_one_line_and_its_warnings_stand_apart(tmp_path, capsys):
+    cell = shipped("planar_dual_arm")
+    cell["object"]["shape"] = {"box": [1e-3, 1e-3, 1e-3]}
+    main(["scale", str(cell_file(tmp_path, cell)), str(DATA / "lift.yaml"), "--brief"])
+    out, err = capsys.readouterr()
+    assert out.count("\n") == 1
+    assert out.startswith(f"{cell['name']}: 1.75 ×")
+    assert "radius of gyration" in err
+
+
 def test_options_reach_the_library(planar_cell, lift, tmp_path):
     target = tmp_path / "plan.json"
     for words, asked in OPTIONS.items():
