@@ -11,8 +11,7 @@ import numpy as np
 
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
-from mrts.base.formats.pose import Finite
-from mrts.base.formats.record import Rule, checked, checked_fields
+from mrts.base.formats.record import Finite, Rule, checked, checked_fields
 from mrts.base.input_file import text_of
 from mrts.base.remark import Remark
 from mrts.base.words import first_names

@@ -15,8 +15,7 @@ from pathlib import Path
 
 import click
 
-from mrts.base.errors import MrtsError
-from mrts.base.printable import message_text
+from mrts.base.errors import MrtsError, message_text
 from mrts.base.regular_file import FILES_READ
 from mrts.base.version import __version__
 from mrts.commands.console.answer import BAD_INPUT

@@ -10,8 +10,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from mrts.base.argument_types import as_path
-from mrts.base.errors import InputError, MrtsError
+from mrts.base.errors import InputError, MrtsError, as_path
 
 LONGEST_START = 300
 """Bytes of a generated file among which stands what says that it is."""

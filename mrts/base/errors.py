@@ -1,24 +1,44 @@
 # SPDX-License-Identifier: MIT
-"""The exceptions of mrts.
+"""The exceptions of mrts, the checks of arguments that raise them, and text that is safe to show.
 
 An infeasible motion is an outcome (`mrts.ScalingStatus`), never an exception. What raises is wrong input
 and a tool that failed. Every message names the value, the rule and what to do. It is safe to print as it is: what it
 quotes is escaped, and cut where it is very long.
 """
 
+import re
 import reprlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
+from html import escape
+from importlib.util import find_spec
+from math import inf, isfinite
+from numbers import Real
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, cast
-
-from mrts.base.printable import message_text
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+LONGEST_WORD = 300
+
+LONGEST_MESSAGE = 4000
+
+Progress = Callable[[int, int], None]
+"""Told how many of how many pieces of work are done."""
+
+WORDS = {
+    "Mapping": "a dictionary",
+    "NoneType": "None",
+    "PathLike": "a Path",
+    "bool": "True or False",
+    "float": "a number",
+    "int": "a whole number",
+    "str": "text",
+}
 
 _VALUES = reprlib.Repr()
 _VALUES.maxstring = _VALUES.maxother = 120  # a name whole; of a longer path its middle is left out
@@ -127,28 +147,6 @@ class Mistakes:
             raise first.with_others(others)
 
 
-def _shown(value: object) -> str:
-    if getattr(value, "shape", None) == ():  # a number of numpy
-        value = cast("Any", value).item()
-    try:
-        shown = _VALUES.repr(value)
-    except ValueError:  # Python writes no whole number of more than some thousand digits
-        return f"a {type(value).__name__} too long to show"
-    return " ".join(line.strip() for line in shown.splitlines())
-
-
-def as_array(name: str, value: object) -> "NDArray[np.float64]":
-    """An argument of the Python API as an array of numbers, its own unless nobody can write to the one given."""
-    import numpy as np  # noqa: PLC0415 (so that `mrts --help` does without)
-
-    if type(value) is np.ndarray and value.dtype == np.float64 and value.base is None and not value.flags.writeable:
-        return value
-    try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(name, "must be numbers of one rectangular shape.", value=value) from None
-
-
 class MotionError(MrtsError):
     """The joints cannot follow the object's path: out of reach, singular, or off the plane."""
 
@@ -164,3 +162,109 @@ class CompilerError(MrtsError):
 
 class SolverError(MrtsError):
     """No solver returned an answer that passes its own verification."""
+
+
+def check_type(name: str, value: object, *kinds: type) -> None:
+    """Check what an argument is."""
+    if isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool)):
+        return
+    *others, last = map(_type_name, kinds)
+    allowed = f"{', '.join(others)} or {last}" if others else last
+    given = "None" if value is None else f"of type {type(value).__name__}"
+    inside = " Give its `retimed`." if isinstance(getattr(value, "retimed", object()), kinds) else ""
+    raise InputError(name, f"must be {allowed}; it is {given}.{inside}", value=value)
+
+
+def _type_name(kind: type) -> str:
+    return WORDS.get(kind.__name__, f"of type {kind.__name__}")
+
+
+def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
+    """Whether an argument is a finite number within bounds."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number may be larger than any other
+        return False
+    return isfinite(number) and low <= number <= high
+
+
+def check_callable(name: str, value: object) -> None:
+    """Check that an argument can be called."""
+    if not callable(value):
+        raise InputError(name, f"must be a function; it is of type {type(value).__name__}.", value=value)
+
+
+def require_extra(where: Path | str, extra: str, *packages: str, value: object = None) -> None:
+    """Check that the packages are installed that an extra brings, before any work."""
+    for package in packages:
+        if find_spec(package) is None:
+            raise InputError(where, f"needs {package}: pip install 'mrts[{extra}]'.", value=value)
+
+
+def as_path(name: str, value: Any) -> Path:
+    """An argument as a path."""
+    check_type(name, value, str, PathLike)
+    if value == "":
+        raise InputError(name, "must not be empty: name a file or a folder.", value=value)
+    try:
+        return Path(value)
+    except TypeError:  # a PathLike of bytes
+        raise InputError(name, "must be a path, as text or a Path.", value=value) from None
+
+
+def as_array(name: str, value: object) -> "NDArray[np.float64]":
+    """An argument of the Python API as an array of numbers, its own unless nobody can write to the one given."""
+    import numpy as np  # noqa: PLC0415 (so that `mrts --help` does without)
+
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.base is None and not value.flags.writeable:
+        return value
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(name, "must be numbers of one rectangular shape.", value=value) from None
+
+
+def printable(text: str, *, lines: bool = False) -> str:
+    r"""Text without control characters, marks of direction, and signs that cannot be seen: written as \u001b.
+
+    The escapes are those of JSON, so that JSON stays JSON.
+    """
+    if text.isprintable():
+        return text
+    return "".join(letter if letter.isprintable() or (lines and letter == "\n") else _escape(letter) for letter in text)
+
+
+def message_text(text: str, *, lines: bool = False) -> str:
+    """A message for people: printable, and without the middle of what is very long."""
+    words = re.sub(rf"\S{{{LONGEST_WORD + 1},}}", lambda word: cut(word.group(), LONGEST_WORD), text)
+    return printable(cut(words, LONGEST_MESSAGE), lines=lines)
+
+
+def cut(text: str, longest: int) -> str:
+    """Text whose middle is left out where it is too long."""
+    return text if len(text) <= longest else f"{text[: longest // 2]}…{text[-(longest // 2 - 1) :]}"
+
+
+def _escape(letter: str) -> str:
+    short = {"\n": "\\n", "\r": "\\r", "\t": "\\t"}.get(letter)
+    if short is not None:
+        return short
+    units = letter.encode("utf-16-be", "surrogatepass")
+    return "".join(f"\\u{units[at : at + 2].hex()}" for at in range(0, len(units), 2))
+
+
+def html_text(text: str) -> str:
+    """Text for the content of an HTML element or between quotes in a tag: without markup, printable."""
+    return escape(printable(text, lines=True))
+
+
+def _shown(value: object) -> str:
+    if getattr(value, "shape", None) == ():  # a number of numpy
+        value = cast("Any", value).item()
+    try:
+        shown = _VALUES.repr(value)
+    except ValueError:  # Python writes no whole number of more than some thousand digits
+        return f"a {type(value).__name__} too long to show"
+    return " ".join(line.strip() for line in shown.splitlines())

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, as_array, did_you_mean
+from mrts.base.errors import InputError, as_array, check_type, did_you_mean, is_number
 from mrts.base.manifest import LOAD_ENTRIES
 
 FACTORS = ("mass", "ixx", "iyy", "izz")

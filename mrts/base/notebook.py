@@ -4,7 +4,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from mrts.base.printable import html_text
+from mrts.base.errors import html_text
 
 MOST_ROWS = 24
 

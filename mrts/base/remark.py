@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from mrts.base.printable import printable
+from mrts.base.errors import printable
 
 Severity = Literal["hint", "warning", "assumption"]
 """How much it matters: a likely mistake, what to know before trusting an answer, or what is taken for granted, which is

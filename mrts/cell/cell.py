@@ -13,9 +13,8 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_type, is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, as_array
+from mrts.base.errors import InputError, as_array, as_path, check_type, is_number
 from mrts.base.formats.record import MadeAgain, Rule, dumped
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox

@@ -11,8 +11,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.file_reference import FileReference
-from mrts.base.formats.pose import Angle, Finite, Name, Pose, Positive, Vector3
-from mrts.base.formats.record import Record, Rule
+from mrts.base.formats.record import Angle, Finite, Name, Pose, Positive, Record, Rule, Vector3
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import range_problem
 from mrts.base.manifest import MOST, WRENCH_UNITS

@@ -9,13 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import resolved_path, write_text_atomically
-from mrts.base.errors import InputError, joined
+from mrts.base.errors import InputError, as_path, check_type, joined
 from mrts.base.formats.file_reference import is_uri
-from mrts.base.formats.pose import Pose
-from mrts.base.formats.record import Record, checked, dumped
+from mrts.base.formats.record import Pose, Record, checked, dumped
 from mrts.base.input_file import plain
 from mrts.base.remark import NEAREST_INERTIA
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation

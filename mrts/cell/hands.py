@@ -11,11 +11,9 @@ from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
 
-from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, without_infinity
-from mrts.base.errors import InputError, as_array
-from mrts.base.formats.pose import Finite
-from mrts.base.formats.record import MadeAgain, Record, Rule, Shape, check_attributes, checked_fields
+from mrts.base.errors import InputError, as_array, check_type, is_number
+from mrts.base.formats.record import Finite, MadeAgain, Record, Rule, Shape, check_attributes, checked_fields
 from mrts.base.input_file import LARGEST_NUMBER, plain
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.rigid_transform import multiply

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
-from mrts.base.argument_types import is_number
-from mrts.base.errors import InputError, did_you_mean
+from mrts.base.errors import InputError, did_you_mean, is_number
 from mrts.base.load_box import UNITS
 from mrts.cell.motors import PER_JOINT, RATINGS
 from mrts.cell.robot import Robot

@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.formats.pose import Name, Positive, Vector3
-from mrts.base.formats.record import Record, Rule
+from mrts.base.formats.record import Name, Positive, Record, Rule, Vector3
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.cell.hands import SHORTEST_DIRECTION, contact_axes, numbered
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Name, Pose, Positive
-from mrts.base.formats.record import Record, Rule, Shape, check_attributes, read_json
+from mrts.base.formats.record import Name, Pose, Positive, Record, Rule, Shape, check_attributes, read_json
 from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME, SMALLEST_NUMBER, read_text
 from mrts.base.load_box import LoadBox

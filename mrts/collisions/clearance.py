@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import Progress, check_type, require_extra
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MotionError
+from mrts.base.errors import InputError, MotionError, Progress, check_type, require_extra
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell

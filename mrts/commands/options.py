@@ -20,9 +20,8 @@ import click
 from click import argument, option
 from click.core import ParameterSource
 
-from mrts.base.argument_types import require_extra
 from mrts.base.atomic_file import check_writable
-from mrts.base.errors import InputError, MotionError
+from mrts.base.errors import InputError, MotionError, require_extra
 from mrts.commands.console.terminal import DEBUG, QUIET, put, working
 from mrts.plots import FIGURE_FORMATS
 

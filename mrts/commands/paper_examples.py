@@ -6,8 +6,8 @@ from math import nan
 from pathlib import Path
 from typing import Literal
 
-from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import Write, text_writer, write_together
+from mrts.base.errors import Progress
 from mrts.base.formats.record import Record
 from mrts.base.input_file import read_data
 from mrts.cell.cell import Cell, load_cell

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from click import Choice, option
 
-from mrts.base.argument_types import require_extra
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, require_extra
 from mrts.commands import options
 from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
 from mrts.commands.console.terminal import Style, warn, working

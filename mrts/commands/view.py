@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from click import IntRange, argument, option
 
-from mrts.base.argument_types import require_extra
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, require_extra
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
 from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs

@@ -8,9 +8,8 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, cross, freeze
-from mrts.base.errors import InputError, MotionError
+from mrts.base.errors import InputError, MotionError, check_type
 from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal

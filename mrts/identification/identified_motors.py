@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array, freeze
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError
-from mrts.base.printable import printable
+from mrts.base.errors import InputError, as_path, printable
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.base.yaml_text import yaml_text

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, apply
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, check_type, is_number
 from mrts.base.remark import Remark
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell

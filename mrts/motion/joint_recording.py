@@ -8,9 +8,8 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_path
 from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.motion.csv_motion import read_joint_columns

@@ -8,9 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, is_number
 from mrts.base.remark import Remark
 from mrts.motion.object_courses import smoothing_remark
 from mrts.motion.object_motion import check_derivatives, noise_allowed

@@ -8,10 +8,8 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_type
-from mrts.base.errors import InputError
-from mrts.base.formats.pose import Pose
-from mrts.base.formats.record import Record, Rule
+from mrts.base.errors import InputError, as_path, check_type
+from mrts.base.formats.record import Pose, Record, Rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable

@@ -7,9 +7,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, check_type
 from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.remark import Remark

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import require_extra
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, require_extra
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.regular_file import is_folder, open_regular
 from mrts.base.yaml_text import MAX_YAML_BYTES, parse_yaml

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import make_folder_atomically
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_path
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.motion.ros_messages import NANOSECONDS, message_types

@@ -14,9 +14,8 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_atomically
-from mrts.base.errors import InputError, SolverError
+from mrts.base.errors import InputError, SolverError, as_path, check_type
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import FORMAT
 from mrts.base.regular_file import open_regular

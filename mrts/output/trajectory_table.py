@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_path, check_type
 from mrts.motion.rows_at_rest import holding_step
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory

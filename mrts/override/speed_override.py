@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import as_path, check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedPlan
-from mrts.base.errors import InputError, as_array
-from mrts.base.printable import printable
+from mrts.base.errors import InputError, as_array, as_path, check_type, is_number, printable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.csv_motion import read_columns, row_times

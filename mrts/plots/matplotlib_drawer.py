@@ -12,10 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import Write, write_atomically, write_together
-from mrts.base.errors import InputError
-from mrts.base.printable import printable
+from mrts.base.errors import InputError, as_path, check_type, printable
 from mrts.plots import FIGURE_FORMATS
 from mrts.plots.plot import LONGEST_LABEL, Item, Line, Panel, Plot, Points, shortened
 

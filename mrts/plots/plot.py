@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.printable import cut, printable
+from mrts.base.errors import cut, printable
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito (2008): distinguishable with every kind of colour vision."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.printable import printable
+from mrts.base.errors import printable
 from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Points, shortened
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
+from mrts.base.errors import check_type
 from mrts.limits.rows import RATES
 from mrts.plots.card import answer_card
 from mrts.plots.phase_plane import phase_plane_plot

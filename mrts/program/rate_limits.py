@@ -5,9 +5,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array, EqualByNumbers, freeze, without_infinity
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, is_number
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName, joint_rows, wrench_rows

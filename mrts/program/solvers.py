@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, apply
-from mrts.base.errors import InputError, SolverError
+from mrts.base.errors import InputError, SolverError, check_type
 from mrts.kernel.programs import default_programs
 
 DEFAULT_SOLVER = "kernel"

@@ -8,8 +8,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from mrts.base.argument_types import require_extra
-from mrts.base.printable import printable
+from mrts.base.errors import printable, require_extra
 from mrts.plots.plot import Plot, one_panel
 from mrts.plots.plotly_drawer import plotly_figure
 

@@ -4,9 +4,8 @@
 from pathlib import Path
 from types import NoneType
 
-from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_path, check_type
 from mrts.override.speed_override import Stops
 from mrts.plots import phase_plane, range_plots, study_plots, trajectory_plots
 from mrts.plots.card import answer_card

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
-from mrts.base.errors import InputError, MrtsError, SolverError
+from mrts.base.errors import InputError, MrtsError, SolverError, is_number
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
 from mrts.motion.joint_table import joint_contradictions

@@ -17,9 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Progress
 from mrts.base.held_interrupt import held_interrupt
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.base.notebook import NotebookTable

@@ -8,9 +8,8 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, EqualByNumbers
-from mrts.base.errors import InputError, as_array
+from mrts.base.errors import InputError, as_array, check_type
 from mrts.base.load_box import LoadBox
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
+from mrts.base.errors import Progress, check_callable, printable
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook import InNotebooks, NotebookTable
-from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps

@@ -8,9 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MrtsError, SolverError
+from mrts.base.errors import InputError, MrtsError, Progress, SolverError, check_callable, check_type
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate

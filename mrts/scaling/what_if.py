@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress
-from mrts.base.errors import InputError, MotionError, SolverError
+from mrts.base.errors import InputError, MotionError, Progress, SolverError
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import aligned, first_names
 from mrts.cell.cell import Cell

@@ -14,10 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import write_atomically
-from mrts.base.errors import InputError
-from mrts.base.printable import cut, printable
+from mrts.base.errors import InputError, Progress, cut, printable
 from mrts.plots.plot import COLOURS
 from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene.arm_meshes import Warn

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_path, check_type
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate, required_columns
 from mrts.motion.csv_motion import read_joint_columns

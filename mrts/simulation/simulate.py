@@ -10,13 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, check_callable, check_type, is_number, require_extra
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Progress, check_callable, check_type, is_number, printable, require_extra
 from mrts.base.formats.record import dumped
 from mrts.base.notebook import InNotebooks, NotebookTable
-from mrts.base.printable import printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName

@@ -10,12 +10,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
-from mrts.base.errors import InputError, Mistakes, MotionError
+from mrts.base.errors import InputError, Mistakes, MotionError, Progress, as_path, check_callable, printable
 from mrts.base.formats.record import dumped
-from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell, uncompiled_cell

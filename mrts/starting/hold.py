@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
-from mrts.base.formats.pose import Pose
+from mrts.base.errors import check_type
+from mrts.base.formats.record import Pose
 from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.cell.cell import Cell

@@ -10,11 +10,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
-from mrts.base.errors import InputError
-from mrts.base.printable import printable
+from mrts.base.errors import InputError, as_path, check_type, printable
 from mrts.base.remark import Remark
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell

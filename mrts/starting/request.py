@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, is_number
 from mrts.base.formats.file_reference import is_uri, named_in
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER

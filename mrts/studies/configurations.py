@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
+from mrts.base.errors import Progress, check_callable, check_type
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion

@@ -16,8 +16,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Finite
-from mrts.base.formats.record import Record, Rule
+from mrts.base.formats.record import Finite, Record, Rule
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.cell import Cell
 from mrts.cell.number_paths import (

@@ -13,12 +13,20 @@ import numpy as np
 from scipy.optimize import OptimizeResult, linprog
 from scipy.sparse import block_diag, csr_array, hstack
 
-from mrts.base.argument_types import Progress, as_path, check_callable, check_type
 from mrts.base.arrays import Array, apply
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError, MotionError, MrtsError, SolverError
+from mrts.base.errors import (
+    InputError,
+    MotionError,
+    MrtsError,
+    Progress,
+    SolverError,
+    as_path,
+    check_callable,
+    check_type,
+    printable,
+)
 from mrts.base.held_interrupt import held_interrupt
-from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.base.words import aligned
 from mrts.cell.number_paths import value_at

@@ -12,15 +12,12 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
-from mrts.base.errors import InputError, as_array
+from mrts.base.errors import InputError, as_array, as_path, check_callable, check_type, printable
 from mrts.base.formats.file_reference import is_uri, named_in
-from mrts.base.formats.pose import Finite, Pose
-from mrts.base.formats.record import Record, Rule
+from mrts.base.formats.record import Finite, Pose, Record, Rule
 from mrts.base.input_file import MAX_FILE_BYTES, read_data, read_text, validated
-from mrts.base.printable import printable
 from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__

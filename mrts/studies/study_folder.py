@@ -18,10 +18,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mrts.base.argument_types import as_path, require_extra
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import told_of, write_atomically, write_text_atomically
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, as_path, require_extra
 from mrts.base.input_file import read_text
 from mrts.base.version import __version__
 from mrts.limits.rows import limit_name

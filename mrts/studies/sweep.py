@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, as_path, check_callable, check_type, require_extra
+from mrts.base.errors import Progress, as_path, check_callable, check_type, require_extra
 from mrts.studies.study import Study, read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder
 from mrts.studies.variants import batch_for, fastest_first

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.base.errors import InputError, MotionError, MrtsError, check_type
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import rotations_from_rpy
 from mrts.cell.cell import Cell

@@ -25,8 +25,7 @@ from queue import Empty
 from types import NoneType
 from typing import Any
 
-from mrts.base.argument_types import check_type, require_extra
-from mrts.base.errors import InputError, MrtsError, SolverError
+from mrts.base.errors import InputError, MrtsError, SolverError, check_type, require_extra
 from mrts.base.held_interrupt import held_interrupt
 from mrts.base.version import __version__
 from mrts.studies.study import Study

@@ -7,9 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, check_callable, check_type, is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Progress, check_callable, check_type, is_number
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate

@@ -7,9 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, SolverError
+from mrts.base.errors import InputError, Progress, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.formats.pose import Pose
+from mrts.base.formats.record import Pose
 from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors
 from mrts.base.yaml_text import flow
 from mrts.cell.cell import Cell

@@ -6,7 +6,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from mrts.base.printable import html_text
+from mrts.base.errors import html_text
 from mrts.base.remark import Remark
 from mrts.collisions.clearance import Clearance
 from mrts.plots.card import Card

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from mrts.base.printable import html_text
+from mrts.base.errors import html_text
 from mrts.plots.plot import END_COLOURS, Axis, Line, Panel, level, shortened, time_axis
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 import mrts
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Pose
+from mrts.base.formats.record import Pose
 from mrts.base.load_box import load_vector
 
 ROUNDING = 1e-14

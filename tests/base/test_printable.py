@@ -6,7 +6,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.base.printable import LONGEST_MESSAGE, html_text, printable
+from mrts.base.errors import LONGEST_MESSAGE, html_text, printable
 from mrts.cli import main
 from mrts.commands.console.terminal import put, say, warn
 

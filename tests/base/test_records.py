@@ -9,8 +9,7 @@ import pytest
 from pydantic import ConfigDict, Field, ValidationError, create_model
 
 from mrts.base.errors import InputError, joined
-from mrts.base.formats.pose import Pose
-from mrts.base.formats.record import Record, Rule, read_json
+from mrts.base.formats.record import Pose, Record, Rule, read_json
 from mrts.base.manifest import FunctionRecord
 from mrts.cell.record import Cylinder
 

@@ -9,7 +9,7 @@ from given_ranges import ranges_of
 from shipped_cells import still_motion
 
 import mrts
-from mrts.base.printable import html_text
+from mrts.base.errors import html_text
 from mrts.scaling.range import intersect
 from mrts.viewer.panel import outcome_html, speed_html
 from mrts.viewer.player_state import offered_speeds, play, widened_torques

@@ -17,8 +17,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Literal, TextIO
 
-from mrts.base.errors import InputError
-from mrts.base.printable import printable
+from mrts.base.errors import InputError, printable
 
 Style = Literal["plain", "strong", "bad", "note"]
 
