@@ -18,7 +18,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.formulation import DistributionName
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_program import path_program, third_derivatives, without_polygons
@@ -95,7 +95,7 @@ class RatedFactors:
 
     def __init__(self, rows: MotionRows, loads: Sequence[LoadPoint | None], rates: RateLimits) -> None:
         cell, motion = rows.cell, rows.motion
-        self.cell, self.rates, self.loads, self.time = cell, rates, loads, motion.object.time
+        self.loads, self.time, names = loads, motion.object.time, rate_names(cell)
         self.stands = float(np.max(np.ptp(motion.q, axis=0))) < STILL
         vectors = [None if point is None else point.load for point in loads]
         problems = [build_sample_problem(rows, load=load, varying=True) for load in vectors]
@@ -103,49 +103,46 @@ class RatedFactors:
         changes = replace(rates, jerk=np.full_like(rates.jerk, np.inf))  # c alone keeps limits of jerk
         self.programs = [path_program(cell, motion, [problem], changes) for problem in self.problems]
         self.limits_changes = bool(np.any(np.isfinite(self.programs[0].change)))
-        self.by_jerk = self._end_by_jerk(third_derivatives(self.programs[0].step, motion.dq, motion.ddq))
+        limits = (*rates.torque.tolist(), *rates.wrench.tolist())
+        self.rates = {str(name): (name, limit) for name, limit in zip((*names[0], *names[1]), limits, strict=True)}
+        third = third_derivatives(self.programs[0].step, motion.dq, motion.ddq)
+        self.by_jerk = self._end_by_jerk(third / rates.jerk, names[2], rates.jerk)
 
     def within(self, found: ScalingRange, below: Callable[[float], ScalingRange]) -> ScalingRange:
         """What limits of rates leave of a range that admits motion, whose ends they move inward."""
         whole, refused = found, None
         while whole.status.admits_motion and whole.lower is not None and whole.upper is not None:
-            low = whole.lower
-            c2, fast = self.fastest(low.c2, whole.upper.c2)
-            top = fast or whole.upper
-            if c2 >= low.c2:
-                _, slow = self.slowest(low.c2, c2)
-                return ScalingRange(range_status(low.c2, top.c2), slow or low, top, whole.samples)
+            low, top = whole.lower, self._fastest(whole.lower.c2, whole.upper)
+            if top.c2 >= low.c2:
+                return ScalingRange(range_status(low.c2, top.c2), self.slowest(low, top.c2), top, whole.samples)
             refused = refused or ScalingRange(RangeStatus.EMPTY, low, top, found.samples)
             if not whole.samples.several:
                 break
-            lower = below(c2)
+            lower = below(top.c2)
             if lower.lower is None or not lower.lower.c2 < low.c2:
                 break
             whole = lower
         assert refused is not None  # noqa: S101 (the range admits motion)
         return refused
 
-    def fastest(self, lower: float, upper: float) -> tuple[float, RangeEnd | None]:
-        """The largest c² that rates admit, and what binds there; `upper` and None if they do not bind.
+    def _fastest(self, lower: float, upper: RangeEnd) -> RangeEnd:
+        """The largest c² that rates admit of what lies between a c² and an end, which may be infinity.
 
-        All other limits admit what lies between `lower` and `upper`, which may be infinity. If rates admit nothing of
-        it, it is the largest c² beneath that they do not rule out.
+        If they admit nothing of it, it is the largest c² beneath that they do not rule out.
         """
-        end = self.by_jerk if self.by_jerk is not None and self.by_jerk.c2 < upper else None
-        c2 = upper if end is None else end.c2
+        end = upper if self.by_jerk is None or upper.c2 <= self.by_jerk.c2 else self.by_jerk
+        c2 = end.c2
         if self.limits_changes and not np.isfinite(c2) and not self.stands:
             c2 = self._ruled_out(lower)
         if not self.limits_changes or not 0 < c2 < np.inf or c2 < lower:
-            return c2, end
-        found = self._followed(c2, (lower, np.inf), faster=False)
-        return (c2, end) if found is None else (found.c2, found)
+            return end
+        return self._followed(c2, (lower, np.inf), faster=False) or end
 
-    def slowest(self, lower: float, upper: float) -> tuple[float, RangeEnd | None]:
-        """The least c² that rates admit, likewise: `lower` and None if they do not bind, above `upper` if none is."""
-        if not self.limits_changes or lower <= 0:  # however slowly it may be played, nothing changes fast
-            return lower, None
-        found = self._followed(lower, (0.0, upper), faster=True)
-        return (lower, None) if found is None else (found.c2, found)
+    def slowest(self, lower: RangeEnd, upper: float) -> RangeEnd:
+        """The least c² that rates admit of what lies between an end and a c²."""
+        if not self.limits_changes or lower.c2 <= 0:  # however slowly it may be played, nothing changes fast
+            return lower
+        return self._followed(lower.c2, (0.0, upper), faster=True) or lower
 
     def refused(self, c2: float) -> RangeEnd | None:
         """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it."""
@@ -155,11 +152,10 @@ class RatedFactors:
         return None if asked is None or asked.is_admitted else self._binding(asked)
 
     def _asked(self, c: float) -> FactorAsked:
-        asked = [self._least(load, program, c) for load, program in enumerate(self.programs)]
-        return max(asked, key=lambda one: one.share)
+        return max((self._least(load, c) for load in range(len(self.loads))), key=lambda one: one.share)
 
-    def _least(self, load: int, program: SmoothProgram, c: float) -> FactorAsked:
-        program = _with_margins(program, 3 * RATE_MARGIN)
+    def _least(self, load: int, c: float) -> FactorAsked:
+        program = _with_margins(self.programs[load], 3 * RATE_MARGIN)
         found = KernelSolver().least_rates(program, np.full(program.nodes, c * c))
         if found is None:
             raise SolverError(f"what the rates admit at c = {c:.6g} was not found.")
@@ -194,17 +190,12 @@ class RatedFactors:
             c *= FASTER
         return float(np.inf)
 
-    def _end_by_jerk(self, third: Array) -> RangeEnd | None:
-        """The largest c² by c³ |q'''| <= jerk; None if no jerk is limited, or there is none."""
-        most = self.rates.jerk
-        share = np.abs(third) / most
-        if not np.any(share > 0):
-            return None
-        segment, end, joint = (int(one) for one in np.unravel_index(np.argmax(share), share.shape))
-        upper = bool(third[segment, end, joint] > 0)
-        row = ActiveRow.of(rate_names(self.cell)[2][joint], -most[joint], most[joint], at_upper=upper)
-        at = segment + end
-        return RangeEnd(float(share[segment, end, joint] ** (-2 / 3)), at, float(self.time[at]), (row,))
+    def _end_by_jerk(self, share: Array, names: Sequence[RowName], most: Array) -> RangeEnd | None:
+        """The largest c² by c³ |q'''| <= jerk, of q''' as shares of the limit; None if no jerk is limited or needed."""
+        segment, end, joint = (int(one) for one in np.unravel_index(np.argmax(np.abs(share)), share.shape))
+        largest, at = float(share[segment, end, joint]), segment + end
+        row = ActiveRow.of(names[joint], -most[joint], most[joint], at_upper=largest > 0)
+        return RangeEnd(abs(largest) ** (-2 / 3), at, float(self.time[at]), (row,)) if largest else None
 
     def _binding(self, asked: FactorAsked) -> RangeEnd:
         """The rates of the segment that matters most, and the limits that bind at its ends."""
@@ -214,20 +205,13 @@ class RatedFactors:
         least = FELT * max(float(np.max(asked.rows)), float(np.max(weight)))
         at_ends = np.max(asked.rows[:, segment : segment + 2, : len(problem.names)], axis=1)
         limited = np.flatnonzero(np.isfinite(program.change))
-        rates = [
-            self._rate(program, int(limited[place]), rises=side == 0)
-            for side, place in np.argwhere(asked.changes[:, segment] > least).tolist()
-        ]
+        rates = []
+        for side, place in np.argwhere(asked.changes[:, segment] > least).tolist():
+            name, limit = self.rates[f"{program.names[limited[place]]} rate"]
+            rates.append(ActiveRow.of(name, -limit, limit, at_upper=side == 0))
         limits = [problem.active_row(row, upper=side == 0) for side, row in np.argwhere(at_ends > least).tolist()]
         named = tuple(dict.fromkeys((*rates, *limits)))
         return RangeEnd(asked.c**2, segment, float(self.time[segment]), named, self.loads[asked.load])
-
-    def _rate(self, program: SmoothProgram, row: int, *, rises: bool) -> ActiveRow:
-        torques, wrenches, _ = rate_names(self.cell)
-        limits = (*self.rates.torque.tolist(), *self.rates.wrench.tolist())
-        known = {str(name): (name, limit) for name, limit in zip((*torques, *wrenches), limits, strict=True)}
-        name, limit = known[f"{program.names[row]} rate"]
-        return ActiveRow.of(name, -limit, limit, at_upper=rises)
 
 
 def torques_within_rates(

@@ -57,7 +57,6 @@ class LimitUse:
             `LimitRows.units`; without a limit it is 0.
         time: When it is used so far first, of a rate at the first of the two samples [s].
         sample: Where.
-        limited: Whether there is a limit on some side.
     """
 
     name: RowName
@@ -68,7 +67,6 @@ class LimitUse:
     share: float
     time: float
     sample: int
-    limited: bool
 
     @property
     def label(self) -> str:
@@ -139,13 +137,13 @@ class LimitedQuantities:
         return self.only([(name.kind, name.robot) == (kind, robot) for name in self.rows])
 
     def uses(self, time: Array) -> tuple[LimitUse, ...]:
-        """What is made of each, at the sample that uses the largest share; `time` of the samples, Shape (N,) [s]."""
-        most, limited = np.max(self.share, axis=0), self.limited
+        """What is made of each that is limited, at the sample that uses most; `time` of the samples, Shape (N,) [s]."""
+        most = np.max(self.share, axis=0)
         at = np.argmax(self.share >= _told_apart(most), axis=0)
         values = np.where(np.abs(self.values) < NOTHING * self.unit, 0.0, self.values)
         return tuple(
             LimitUse(
-                name=name,
+                name=self.rows[row],
                 lower=float(self.lower[at[row], row]),
                 upper=float(self.upper[at[row], row]),
                 least=float(np.min(values[:, row])),
@@ -153,14 +151,13 @@ class LimitedQuantities:
                 share=max(0.0, float(most[row])),
                 time=float(time[at[row]]),
                 sample=int(at[row]),
-                limited=bool(limited[row]),
             )
-            for row, name in enumerate(self.rows)
+            for row in np.flatnonzero(self.limited).tolist()
         )
 
 
 def limit_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
-    """What a trajectory makes of each quantity that can be limited, velocities enforced or not, in their order."""
+    """How much of each limit a trajectory uses, those of velocities enforced or not, in their order."""
     return all_quantities(done).uses(done.time)
 
 
@@ -170,8 +167,8 @@ def _told_apart(share: Array | float) -> Array:
 
 
 def by_share(uses: Iterable[LimitUse]) -> list[LimitUse]:
-    """Those that have a limit, by falling share of it."""
-    return sorted((use for use in uses if use.limited), key=lambda use: -float(_told_apart(use.share)))
+    """The same by falling share of the limit."""
+    return sorted(uses, key=lambda use: -float(_told_apart(use.share)))
 
 
 def rate_uses(result: "ScalingResult") -> list[LimitUse]:
@@ -234,7 +231,7 @@ def power_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
     unit = np.append(cell.stacked("motors.power"), cell.power_limit or np.inf)
     limit = np.broadcast_to(unit, power.shape)
     found = LimitedQuantities(rows, power, -limit, limit, np.abs(power) / limit, unit)
-    return found.only(found.limited).uses(done.time)
+    return found.uses(done.time)
 
 
 def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:

@@ -5,7 +5,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -30,9 +30,7 @@ from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.remarks import plan_remarks
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-
-if TYPE_CHECKING:
-    from mrts.scaling.what_if import SpeedQuestion, WhatIf
+from mrts.scaling.what_if import SpeedQuestion, WhatIf, what_if
 
 AT_END = 1e-6
 """Share of c² within which it is at an end of what a sample admits: ends that tie are right to 1e-7."""
@@ -68,7 +66,7 @@ class Result(InNotebooks, JsonOutput):
 
     cell: Cell
     options: Options
-    changes: "WhatIf | None"
+    changes: WhatIf | None
 
     @property
     @abstractmethod
@@ -92,7 +90,7 @@ class Result(InNotebooks, JsonOutput):
         """
 
     @abstractmethod
-    def speed_question(self) -> "SpeedQuestion":
+    def speed_question(self) -> SpeedQuestion:
         """What `what_if` asks of every changed cell."""
 
     def what_if(
@@ -102,7 +100,7 @@ class Result(InNotebooks, JsonOutput):
         shift: float = ChangeSteps.shift,
         turn: float = ChangeSteps.turn,
         progress: Progress = lambda _done, _total: None,
-    ) -> "WhatIf":
+    ) -> WhatIf:
         """What changes to the cell would do to the speed, each by itself, solved again at the samples of the result.
 
         Both sides of each limit, the mass and a reserve are changed by a share up and down; each arm's base is moved
@@ -120,8 +118,6 @@ class Result(InNotebooks, JsonOutput):
                 timing with limits of rates.
             SolverError: If no solver answers.
         """
-        from mrts.scaling.what_if import what_if  # noqa: PLC0415 (it scales, which makes results)
-
         check_callable("progress", progress)
         return what_if(self.speed_question(), ChangeSteps(share=share, shift=shift, turn=turn), progress)
 
@@ -179,7 +175,7 @@ class ScalingResult(Result):
     origin: str = ""
     remarks: Remarks = field(default=(), compare=False)
     excess: Excess | None = None
-    changes: "WhatIf | None" = None
+    changes: WhatIf | None = None
 
     @cached_property
     def range(self) -> ScalingRange:
@@ -228,7 +224,7 @@ class ScalingResult(Result):
 
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:
-        """What the trajectory makes of each quantity that can be limited; nothing without a trajectory."""
+        """How much of each limit the trajectory uses, rates apart; nothing without a trajectory."""
         return () if self.trajectory is None else limit_uses(self.trajectory)
 
     @property
@@ -295,9 +291,9 @@ class ScalingResult(Result):
 
         return at_rate(self, rate)
 
-    def speed_question(self) -> "SpeedQuestion":
+    def speed_question(self) -> SpeedQuestion:
         """How fast a changed cell may play the motion, by one factor."""
-        from mrts.scaling.what_if import range_question  # noqa: PLC0415 (it scales, which makes results)
+        from mrts.scaling.scale import range_question  # noqa: PLC0415 (it makes results)
 
         return range_question(self)
 

@@ -39,6 +39,7 @@ from mrts.scaling.range import ScalingRange
 from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.result import END_TOLERANCE, LIMIT_TOLERANCE, ScalingResult, kept_text, largest_excess
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
+from mrts.scaling.what_if import NO_CHANGE, SpeedAnswer, SpeedQuestion
 
 
 class SelectionError(MrtsError):
@@ -143,16 +144,10 @@ def chosen_factor(
         SolverError: If no solver answers.
     """
     result, rows, excess = admissible_range(cell, motion, options, progress)
-    factors = None
-    if options.rates is not None:
-        result, factors = within_rate_limits(result, rows)
-    found = result.range
-    if not found.status.admits_motion or options.load == "possible":
+    if not result.status.admits_motion or options.load == "possible":
         return result, rows
     try:
-        c2 = choose_c2(found, options.select, partial(conflict_at, result))
-        if factors is not None:
-            _check_rated(factors, found, c2)
+        c2 = choose_c2(result, rows)
     except SelectionError as error:
         raise SelectionError(f"{kept_text(cell.reserve)}{error}", result) from None
     return replace(result, c2=c2, excess=excess and excess(c2)), rows
@@ -164,7 +159,7 @@ def admissible_range(
     options: Options,
     progress: Progress = lambda _done, _total: None,
 ) -> tuple[ScalingResult, MotionRows, Callable[[float], Excess] | None]:
-    """The range of c² of a motion, rates apart (steps 1 and 2 of MMTSF), between its samples too.
+    """The range of c² of a motion within its rates (steps 1 and 2 of MMTSF), between its samples too.
 
     For what is possible with some load, and with an internal wrench a sample, only the given samples are looked at.
 
@@ -205,33 +200,13 @@ def admissible_range(
         options=options,
         remarks=partial(motion_remarks, cell, motion, rows.motion, told, constant=True),
     )
+    if options.rates is not None and found.status.admits_motion:
+
+        def below(high: float) -> ScalingRange:
+            return range_at_samples(rows, options, high=high * (1 + POINT_TOLERANCE))[0]
+
+        result = replace(result, found=RatedFactors(rows, result.loads, options.rates).within(found, below))
     return result, rows, excess
-
-
-def within_rate_limits(result: ScalingResult, rows: MotionRows) -> tuple[ScalingResult, RatedFactors | None]:
-    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
-
-    The rows are those of the result's motion.
-    """
-    options, found = result.options, result.range
-    if options.rates is None or not found.status.admits_motion:
-        return result, None
-
-    def below(high: float) -> ScalingRange:
-        return range_at_samples(rows, options, high=high * (1 + POINT_TOLERANCE))[0]
-
-    factors = RatedFactors(rows, result.loads, options.rates)
-    return replace(result, found=factors.within(found, below)), factors
-
-
-def _check_rated(factors: RatedFactors, found: ScalingRange, c2: float) -> None:
-    ends = {end.c2 for end in (found.lower, found.upper) if end is not None}
-    refused = None if c2 in ends else factors.refused(c2)
-    if refused is not None:
-        raise SelectionError(
-            f"c² = {c2:g} lies in a gap that rates leave in the admissible range {found.text(digits=6)}: at "
-            f"t = {refused.time:.4g} s {rows_text(refused.rows)} would be passed."
-        )
 
 
 def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
@@ -252,47 +227,57 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
     return worst
 
 
-def choose_c2(
-    found: ScalingRange, select: Selection, conflict: Callable[[float], Conflict | None] = lambda _c2: None
-) -> float:
-    """Step 3.1 of MMTSF: choose c² in an admissible range.
-
-    `conflict` tells what forbids a c²: asked of one below the range where a sample admits several intervals.
+def choose_c2(result: ScalingResult, rows: MotionRows) -> float:
+    """Step 3.1 of MMTSF: choose c² in the admissible range of a result, as its options say.
 
     Raises:
         SelectionError: If the value is not admissible, not finite, or not above 0.
     """
-    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    high = found.upper.c2
+    found, select = result.range, result.options.select
+    assert found.upper is not None  # noqa: S101 (the range admits motion)
     unlimited = found.status is RangeStatus.UNBOUNDED
     if select == "auto" and unlimited:
         select = 1.0
     if isinstance(select, str):
         if unlimited:
             raise SelectionError(f"no limit depends on the speed: c² ∈ {found.text(digits=6)}. Choose a value.")
-        if high <= 0:
+        if found.upper.c2 <= 0:
             still = f"c² ∈ {found.text(digits=6)}: the cell can only hold still."
             raise SelectionError(f"{still} The upper end is set {found.upper.place()}.")
-        return high
+        return found.upper.c2
     too_large = abs(select) > sys.float_info.max  # Python's whole numbers have no end
     c2 = float("inf" if select > 0 else "-inf") if too_large else float(select)
-    interval = found.text(digits=6)
     if not (np.isfinite(c2) and c2 > 0):
-        raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
-    if (admitted := found.admitted(c2, END_TOLERANCE)) is not None:
-        return admitted
-    side, end = ("lower", found.lower) if c2 < found.lower.c2 else ("upper", found.upper)
+        raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {found.text(digits=6)}.")
+    return _admitted(result, rows, c2)
+
+
+def _admitted(result: ScalingResult, rows: MotionRows, c2: float) -> float:
+    """The c² of the range that a given one stands for; a SelectionError if there is none."""
+    found, rates, interval = result.range, result.options.rates, result.range.text(digits=6)
+    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    low, admitted = found.lower.c2, found.admitted(c2, END_TOLERANCE)
     outside = f"c² = {c2:g} is outside the admissible range {interval}"
-    if side == "lower" and found.samples.several:
-        worst = conflict(c2)
-        if worst is None:
-            return c2
-        load = "" if worst.load is None else f" with {worst.load}"
-        raise SelectionError(
-            f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} {rows_text(worst.rows, '; ')} "
-            "forbid it."
-        )
-    raise SelectionError(f"{outside}. The {side} end is set {end.place()}.")
+    if admitted is None and c2 < low and found.samples.several:
+        worst = conflict_at(result, c2)
+        if worst is not None:
+            load = "" if worst.load is None else f" with {worst.load}"
+            raise SelectionError(
+                f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} "
+                f"{rows_text(worst.rows, '; ')} forbid it."
+            )
+        admitted = c2
+    if admitted is None:
+        side, end = ("lower", found.lower) if c2 < low else ("upper", found.upper)
+        raise SelectionError(f"{outside}. The {side} end is set {end.place()}.")
+    if rates is not None and admitted not in {low, found.upper.c2}:
+        refused = RatedFactors(rows, result.loads, rates).refused(admitted)
+        if refused is not None:
+            raise SelectionError(
+                f"c² = {admitted:g} lies in a gap that rates leave in the admissible range {interval}: at "
+                f"t = {refused.time:.4g} s {rows_text(refused.rows)} would be passed."
+            )
+    return admitted
 
 
 def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:
@@ -382,3 +367,34 @@ def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
         found = motion_torques(still, options.solver, 0.0, weights, options.distribute)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     return Holding((bool(held[0]), bool(held[1])), torque, wrench)
+
+
+def range_question(result: ScalingResult) -> SpeedQuestion:
+    """What `what_if` asks of every changed cell: the range of c², at the samples of a result.
+
+    Raises:
+        InputError: If the result is that of another speed, or of what is possible with some load.
+    """
+    if result.origin:
+        why = "is of a motion that was retimed: ask what mrts.retime found, or scale the motion as it was given."
+        raise InputError("result", why)
+    cell, study = result.cell, result.load
+    options = replace(result.options, load="nominal" if study is None else study.question, between=None)
+    if options.load == "possible":
+        why = "is of what is possible with some load, which no change is asked of: ask for the guaranteed range."
+        raise InputError("result", why, value=options.load)
+    if study is not None:
+        cell = replace(cell, load=study.box.nominal_point().load, load_box=study.box)
+
+    def answer(changed: Cell, motion: CoordinatedMotion, before: SpeedAnswer | None) -> SpeedAnswer:
+        found = admissible_range(changed, motion, options)[0].range
+        if before is not None and before.c2 is not None and np.isclose(found.c2_upper, before.c2, NO_CHANGE, 0):
+            return before  # to find which rows bind takes longer than to see that the range stays
+        status, upper = found.status, found.upper
+        if not status.admits_motion or upper is None:
+            return SpeedAnswer(status=status.value, reason=found.reason())
+        duration = float(motion.object.time[-1] / np.sqrt(upper.c2)) if upper.c2 > 0 else np.inf
+        limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
+        return SpeedAnswer(status=status.value, c2=upper.c2, duration=duration, limits=limits)
+
+    return cell, result.motion, answer

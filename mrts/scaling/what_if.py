@@ -3,9 +3,9 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import degrees, inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,12 +15,6 @@ from mrts.base.words import aligned, first_names
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import CellChange, ChangeSteps, cell_changes
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, following_again
-from mrts.scaling.loads import range_at_samples
-from mrts.scaling.range import ScalingRange
-from mrts.scaling.scale import within_rate_limits
-
-if TYPE_CHECKING:
-    from mrts.scaling.result import ScalingResult
 
 NO_CHANGE = 1e-6
 """Share of the duration below which a change does nothing: programs are right to 1e-9, ends that tie to 1e-7."""
@@ -243,44 +237,3 @@ def what_if(question: SpeedQuestion, steps: ChangeSteps, progress: Progress) -> 
     progress(len(changes), len(changes))
     found.sort(key=lambda one: inf if one.after.duration is None else one.after.duration)
     return WhatIf(steps, before, tuple(found), left_out)
-
-
-def range_question(result: "ScalingResult") -> SpeedQuestion:
-    """The range of c² with a cell, at the samples of a result.
-
-    Raises:
-        InputError: If the result is that of another speed, or of what is possible with some load.
-    """
-    if result.origin:
-        why = "is of a motion that was retimed: ask what mrts.retime found, or scale the motion as it was given."
-        raise InputError("result", why)
-    cell, study = result.cell, result.load
-    options = replace(result.options, load="nominal" if study is None else study.question)
-    if options.load == "possible":
-        why = "is of what is possible with some load, which no change is asked of: ask for the guaranteed range."
-        raise InputError("result", why, value=options.load)
-    if study is not None:
-        cell = replace(cell, load=study.box.nominal_point().load, load_box=study.box)
-
-    known = options.load == "nominal" and options.rates is None
-
-    def answer(changed: Cell, motion: CoordinatedMotion, before: SpeedAnswer | None) -> SpeedAnswer:
-        rows = options.rows(changed, motion)
-        found, loads = range_at_samples(rows, options)
-        if known and before is not None and before.c2 is not None:
-            upper = found.upper if found.status.admits_motion else None
-            if upper is not None and np.isclose(upper.c2, before.c2, rtol=NO_CHANGE, atol=0):
-                return before  # to find which rows bind takes longer than to see that the range stays
-        again = replace(result, cell=changed, motion=motion, found=found, load=loads, options=options)
-        return _of_range(within_rate_limits(again, rows)[0].range, float(motion.object.time[-1]))
-
-    return cell, result.motion, answer
-
-
-def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
-    status, upper = found.status, found.upper
-    if not status.admits_motion or upper is None:
-        return SpeedAnswer(status=status.value, reason=found.reason())
-    duration = float(given / np.sqrt(upper.c2)) if upper.c2 > 0 else inf
-    limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
-    return SpeedAnswer(status=status.value, c2=upper.c2, duration=duration, limits=limits)

@@ -434,7 +434,7 @@ def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:
     """Of all limits that a cell keeps, and of power, in the order of its rows."""
     kept = done.cell.enforces_velocity_limits
     uses = (*limit_uses(done), *power_uses(done))
-    return [use for use in uses if use.limited and (kept or use.name.kind != "velocity")]
+    return [use for use in uses if kept or use.name.kind != "velocity"]
 
 
 def _at_rest(plan: ScaledTrajectory, name: str) -> Array:

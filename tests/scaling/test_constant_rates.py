@@ -22,6 +22,7 @@ from mrts.program.reserve import SHARE_MARGIN
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.constant_rates import RatedFactors
 from mrts.scaling.limit_use import rate_uses
+from mrts.scaling.range import RangeEnd
 
 FREE = np.inf, np.inf
 """Of the joints that do not slide along x."""
@@ -186,9 +187,9 @@ def test_rates_may_leave_a_gap_where_friction_is_made_up_for_by_inertia(pushed):
     assert np.count_nonzero(np.diff(admitted)) == 3  # slow enough, too fast, fast enough, too fast
     with pytest.raises(mrts.SelectionError, match=r"c² = 2\.1 lies in a gap that rates leave .*slide_x torque rate"):
         mrts.scale(cell, easing(), 2.1, rates=True, between=None)
-    low, _ = factors.slowest(2.1, 6.0)
-    assert share(np.sqrt(low)) == pytest.approx(1, rel=ROUNDED)
-    assert 2.1 < low < c**2
+    low = factors.slowest(RangeEnd(2.1, None, None), 6.0)
+    assert share(np.sqrt(low.c2)) == pytest.approx(1, rel=ROUNDED)
+    assert 2.1 < low.c2 < c**2
 
 
 def rated(case, rng, tight):

@@ -61,9 +61,8 @@ def test_a_plan_of_mrts_is_fine_and_uses_its_limits_as_the_result_says(turned, d
     assert (found.status, found.given, found.contradictions) == ("fine", PARTS, ())
     ours = {use.name: use for use in found.uses}
     for use in turned.limit_uses:
-        if use.limited:
-            assert ours[use.name].share >= use.share - SAME
-            assert ours[use.name].share <= use.share + BETWEEN
+        assert ours[use.name].share >= use.share - SAME
+        assert ours[use.name].share <= use.share + BETWEEN
     assert share(found, "torque residual") < SAME
     assert share(found, "balance residual") < SAME
     assert share(found, "grasp distance") < SAME
