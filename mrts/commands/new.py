@@ -139,8 +139,6 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     cell, motion = folder / "cell.yaml", folder / "motion.yaml"
     if asked is not None and proposal.mass < asked:
         warn(f"{asked:g} kg are more than the motors can lift: {cell} has {proposal.mass:g} kg")
-    if proposal.request.plane == "xy" and not any(proposal.request.gravity[:2]):
-        warn("gravity is normal to the plane and loads no joint; for an upright plane: --gravity=0,-9.81,0")
     say(f"{cell}: {len(proposal.request.arms)} arms hold {proposal.mass:g} kg", "strong")
     say(f"{motion}: up by {lift:g} m in {proposal.motion['duration']:g} s", "strong")
     say(proposal.result.sentence())

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """An arm before its cell: where its joints and its hand are, what gravity asks of it, with nothing compiled."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 
 from mrts.base.arrays import Array, cross
 from mrts.base.errors import InputError
-from mrts.base.rigid_transform import PLANE_TOLERANCE, RigidTransform, plane_normal
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks import link_lengths
 from mrts.cell.robot import Robot
 from mrts.collisions.bodies import body_poses
@@ -132,24 +131,3 @@ class Arm:
         lower, upper = self.robot.position_lower, self.robot.position_upper
         both = np.isfinite(lower) & np.isfinite(upper)
         return np.where(both, (np.where(both, lower, 0) + np.where(both, upper, 0)) / 2, 0.0)
-
-
-def plane_of(arms: Sequence[Arm]) -> str | None:
-    """The plane in which all arms move; None if there is none, or it is no coordinate plane of the base."""
-    for plane, normal in (("xz", 1), ("xy", 2), ("yz", 0)):
-        flat = all(
-            (abs(abs(axis[normal]) - 1) if kind == "revolute" else abs(axis[normal])) <= PLANE_TOLERANCE
-            for arm in arms
-            for kind, axis in zip(arm.robot.joint_types, arm.robot.axes, strict=True)
-        )
-        if flat:
-            return plane
-    return None
-
-
-def twist_rows(plane: str | None) -> list[int]:
-    """Components of a twist that count: all in space, in a plane the two along it and the turn about its normal."""
-    if plane is None:
-        return list(range(6))
-    normal = np.abs(plane_normal(plane))
-    return [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]

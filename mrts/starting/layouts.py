@@ -9,15 +9,9 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
-from mrts.base.rigid_transform import (
-    RigidTransform,
-    plane_normal,
-    rotations_from_vectors,
-    snap_rotation,
-    vectors_from_rotations,
-)
+from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors, snap_rotation, vectors_from_rotations
 from mrts.following.tracking import nearest_turns
-from mrts.starting.arm import Arm, ArmState, twist_rows
+from mrts.starting.arm import Arm, ArmState
 from mrts.starting.request import LIFT, Request
 
 FLATNESS = (1.0, 0.6, 0.5)
@@ -145,31 +139,23 @@ def _sides(request: Request, out: Array) -> Array:
 
 
 def _proposed_bases(request: Request, distance: float) -> list[RigidTransform]:
-    """Bases around the object, on the floor and facing it; in a plane as the URDF has them."""
-    count, level = len(request.arms), request.up == 0
-    if request.plane is not None:
-        level = level & (plane_normal(request.plane) == 0)
-    first = np.eye(3)[int(np.argmax(level))]
+    """Bases around the object, on the floor and facing it."""
+    count = len(request.arms)
+    first = np.eye(3)[int(np.argmax(request.up == 0))]
     away = request.width / 2 + distance * min(arm.reach for arm in request.arms)
     bases = []
     for angle in np.pi + 2 * np.pi * np.arange(count) / count:
         out = rotations_from_vectors(angle * request.up) @ first
-        turn = np.eye(3) if request.plane else rotations_from_vectors((angle + np.pi) * request.up)
+        turn = rotations_from_vectors((angle + np.pi) * request.up)
         bases.append(RigidTransform(snap_rotation(turn, within=ROUNDING), np.round(away * out, METRES) + 0.0))
     return bases
-
-
-def _turn(up: Array, start: Array, end: Array) -> Array:
-    angle = np.arctan2(np.cross(start, end) @ up, start @ end)
-    turned: Array = rotations_from_vectors(angle * up)
-    return turned
 
 
 def _between(request: Request, bases: Sequence[RigidTransform], lift: Array, force: Array) -> list[Layout]:
     """Layouts with the box between arms, before a machine too, or above and below."""
     proposed = request.arms[0].base is None
     middle, out = _middle(request, bases)
-    pair = len(out) == 2 and request.plane is None  # noqa: PLR2004 (a pair)
+    pair = len(out) == 2  # noqa: PLR2004 (a pair)
     forward = np.cross(request.up, (out[-1] - out[0]) / 2) * (pair and not proposed)
     found = []
     for arm, T, direction in zip(request.arms, bases, out, strict=True):
@@ -197,9 +183,6 @@ def _middle(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, A
         middle = anchors.mean(axis=0)
         out = anchors - middle
         out -= np.outer(out @ request.up, request.up)
-        if request.plane is not None:
-            normal = plane_normal(request.plane)
-            out -= np.outer(out @ normal, normal)
         length = np.linalg.norm(out, axis=1)
         if np.min(length) >= request.grid / 10:
             return np.round(middle, METRES - 1), out / length[:, None]
@@ -236,8 +219,8 @@ def _stands(
     """
     up, gravity = T.R.T @ request.up, T.R.T @ request.gravity
     ways = [(kind, T.R.T @ facing) for kind, facing in facings]
-    turns = [(kind, facing, R) for kind, facing in ways for R in _rolls(request, arm, facing, up)]
-    rotations, rows = np.array([R for _, _, R in turns]), twist_rows(request.plane)
+    turns = [(kind, facing, R) for kind, facing in ways for R in _rolls(arm, facing, up)]
+    rotations = np.array([R for _, _, R in turns])
     q = drawn_postures(arm)
     state = arm.at(q)
     nearness = np.einsum("nij,kij->nk", state.R, rotations)  # the trace of Rᵀ R_k: 1 + 2 cos of the angle
@@ -247,11 +230,11 @@ def _stands(
     axes = np.array([forward, request.up])
     steps = np.round((state.p[chosen] @ T.R.T + T.p - start) @ axes.T / request.grid)
     p = (start + request.grid * steps @ axes - T.p) @ T.R
-    q, near = _settle(arm, q, R, p, rows, SETTLING_STEPS)
+    q, near = _settle(arm, q, R, p, SETTLING_STEPS)
     score, effort = np.where(near, 1.0, 0.0), np.zeros(len(q))
     along = q
     for step in np.linspace(0, 1, LIFT_SAMPLES):
-        along, near = _settle(arm, along, R, p + step * (T.R.T @ lift), rows, LIFTING_STEPS)
+        along, near = _settle(arm, along, R, p + step * (T.R.T @ lift), LIFTING_STEPS)
         state = arm.at(along)
         limited = np.max(np.abs(arm.torque(state, gravity, T.R.T @ force)) / arm.robot.torque_upper, axis=1)
         effort = np.maximum(effort, limited)
@@ -266,12 +249,8 @@ def _stands(
     return found
 
 
-def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
-    """Rotations of the tip that point the hand somewhere: four about the direction; in a plane there is one."""
-    if request.plane is not None:
-        at_zero = arm.robot.T_base_tip.R
-        normal = plane_normal(request.plane)
-        return [_turn(normal, at_zero @ arm.approach, facing) @ at_zero]
+def _rolls(arm: Arm, facing: Array, up: Array) -> list[Array]:
+    """Rotations of the tip that point the hand somewhere, four about the direction."""
     second = np.roll(np.abs(arm.approach), 1)
     own = np.stack([arm.approach, second, np.cross(arm.approach, second)], axis=1)
     side = np.cross(up, facing)
@@ -282,7 +261,7 @@ def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
     return [np.stack([facing, axis, np.cross(facing, axis)], axis=1) @ own.T for axis in sides]
 
 
-def _settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) -> tuple[Array, NDArray[np.bool_]]:
+def _settle(arm: Arm, q: Array, R: Array, p: Array, steps: int) -> tuple[Array, NDArray[np.bool_]]:
     """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits.
 
     Of all drawn postures at once, and before there is a cell with compiled kinematics to track.
@@ -290,12 +269,12 @@ def _settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int)
     q = q.copy()
     for _ in range(steps):
         state = arm.at(q)
-        error, J = _error(state, R, p)[:, rows], state.jacobian[:, rows]
+        error, J = _error(state, R, p), state.jacobian
         damping = LEAST_DAMPING + 0.5 * np.sum(error**2, axis=1)
         square = J @ J.transpose(0, 2, 1) + damping[:, None, None] * np.eye(J.shape[1])
         step = apply(J.transpose(0, 2, 1), np.linalg.solve(square, error[:, :, None])[:, :, 0])
         q += step * LONGEST_STEP / np.max(np.abs(step), axis=1, keepdims=True, initial=LONGEST_STEP)
-    near = np.max(np.abs(_error(arm.at(q), R, p)[:, rows]), axis=1) <= REACHED
+    near = np.max(np.abs(_error(arm.at(q), R, p)), axis=1) <= REACHED
     q = nearest_turns(arm.robot, q, arm.middle())
     inside = np.all((q >= arm.robot.position_lower) & (q <= arm.robot.position_upper), axis=1)
     return q, near & inside
@@ -323,9 +302,8 @@ def _ease(request: Request, arm: Arm, q: Array, state: ArmState, facing: Array, 
     """How far from limits and singularities arms are, from 0 to 1, Shape (N,)."""
     to_limit = np.minimum(q - arm.robot.position_lower, arm.robot.position_upper - q) / _half_range(arm)
     margin = np.min(to_limit, axis=1, initial=1.0)
-    rows = twist_rows(request.plane)
-    scale = np.array([1 / arm.reach] * 3 + [1.0] * 3)[rows]
-    values = np.linalg.svd(scale[:, None] * state.jacobian[:, rows], compute_uv=False)
+    scale = np.array([1 / arm.reach] * 3 + [1.0] * 3)
+    values = np.linalg.svd(scale[:, None] * state.jacobian, compute_uv=False)
     condition = values[:, -1] / values[:, 0]
     up = -gravity / max(float(np.linalg.norm(gravity)), 1.0)
     level = facing - np.outer(facing @ up, up)

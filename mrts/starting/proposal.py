@@ -158,8 +158,7 @@ def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
 
 
 def _cell_keys(request: Request, layout: Layout, mass: float) -> dict[str, Any]:
-    keys = {"name": request.name, "gravity": request.gravity.tolist()}
-    keys |= {} if request.plane is None else {"plane": request.plane}
+    keys: dict[str, Any] = {"name": request.name, "gravity": request.gravity.tolist()}
     keys["object"] = {"mass": mass, "shape": {"box": layout.sides.tolist()}}
     stands = zip(request.arms, layout.stands, strict=True)
     return keys | {"robots": [_robot_keys(request, arm, stand, layout, mass) for arm, stand in stands]}
@@ -200,7 +199,6 @@ def cell_file(proposal: Proposal) -> str:
     standing = "as asked for" if request.arms[0].base is not None else "proposed"
     comments = {
         "gravity": "world, m/s²",
-        "plane": "all joints move in it: two forces and one moment a hand",
         "mass": mass,
         "shape": "assumed: a uniform box, which gives the inertia as well",
         "base_link": "where the chain begins",

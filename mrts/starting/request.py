@@ -13,20 +13,20 @@ from mrts.base.errors import InputError, is_number
 from mrts.base.formats.file_reference import is_uri, named_in
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.rigid_transform import RigidTransform, plane_normal
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.cell.remarks import urdf_remarks
 from mrts.following.coordinated_motion import lacking_freedom, postures_for_rank
-from mrts.starting.arm import Arm, plane_of, twist_rows
+from mrts.starting.arm import Arm
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, side_of
 
 WIDTH, LIFT, GRID = 0.3, 0.2, 0.12
 """Of the box, of the lift, and between heights that are tried, as shares of the shortest arm's reach."""
 
-SPATIAL_JOINTS = 6
-"""What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
-
 MOST_HANDS = 2
+
+TOO_FEW = f"holding an object takes {FEWEST_JOINTS}; a cell of planar arms begins with the one of `mrts demo`"
+"""Said of a chain with fewer joints."""
 
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 """World axes [m/s²]."""
@@ -42,7 +42,6 @@ class Request:
         name: Of the cell.
         arms: Its arms, two or more.
         one_machine: Whether they are arms of one machine, whose bases stay where the URDF has them.
-        plane: Of a planar cell, as in a cell file.
         gravity: World, Shape (3,) [m/s²].
         mass: Of the object [kg], where the user gave it.
     """
@@ -50,21 +49,16 @@ class Request:
     name: str
     arms: tuple[Arm, ...]
     one_machine: bool
-    plane: str | None
     gravity: Array
     mass: float | None
 
     @cached_property
     def up(self) -> Array:
-        """Against gravity, along an axis of the world; in the plane of a planar cell. Shape (3,)."""
-        axes = np.eye(3)
-        if self.plane is not None:
-            axes = axes[np.abs(plane_normal(self.plane)) == 0]
-        along = axes @ self.gravity
-        best = int(np.argmax(np.abs(along)))
-        if along[best] == 0:
-            return np.asarray(axes[-1], dtype=np.float64)
-        return np.asarray(-np.sign(along[best]) * axes[best] + 0.0, dtype=np.float64)
+        """Against gravity, along an axis of the world, Shape (3,)."""
+        best = int(np.argmax(np.abs(self.gravity)))
+        if self.gravity[best] == 0:
+            return np.array([0.0, 0.0, 1.0])
+        return np.asarray(-np.sign(self.gravity[best]) * np.eye(3)[best] + 0.0)
 
     def length(self, share: float) -> float:
         """A share of the shortest arm's reach, of two digits at most [m]."""
@@ -90,8 +84,7 @@ class Request:
 
     def force(self, mass: float) -> Array:
         """Of each hand on an object at rest, Shape (3,) [N]."""
-        force = -mass * self.gravity / len(self.arms)
-        return force if self.plane is None else force * (plane_normal(self.plane) == 0)
+        return -mass * self.gravity / len(self.arms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,29 +153,21 @@ def request_of(
                 base=bases[one.robot] @ T_root_base if bases else in_place,
             )
         )
-    plane = plane_of(arms)
-    if plane is not None and len(arms) > len(SIDES) and not bases:
-        raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
     for arm in arms:
-        check_movable(arm, plane)
-    return Request(name, tuple(arms), alone and not bases, plane, np.asarray(gravity), mass)
+        _check_movable(arm)
+    return Request(name, tuple(arms), alone and not bases, np.asarray(gravity), mass)
 
 
-def check_movable(arm: Arm, plane: str | None) -> None:
+def _check_movable(arm: Arm) -> None:
     """Check that an arm can hold an object at all."""
-    count, needed = len(arm.robot.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
-    if count < needed:
-        rule = (
-            f"the chain to '{arm.robot.source.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
-            f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
-        )
-        raise InputError(arm.path, rule)
+    if (count := len(arm.robot.joints)) < FEWEST_JOINTS:
+        has = f"the chain to '{arm.robot.source.tip_link}' has {count} joint{'s' * (count > 1)}"
+        raise InputError(arm.path, f"{has}, and {TOO_FEW}. Choose another tip or robot.")
     for remark in urdf_remarks(arm.robot):
         if remark.code == "limits-equal":
             raise InputError(arm.path, remark.text)
-    rows = twist_rows(plane)
     q = postures_for_rank(arm.middle())
-    if lacking := lacking_freedom(arm.robot.joints, arm.at(q).jacobian[:, rows], rows):
+    if lacking := lacking_freedom(arm.robot.joints, arm.at(q).jacobian, list(range(6))):
         raise InputError(arm.path, f"{lacking} Choose another tip or robot.")
 
 
@@ -209,7 +194,7 @@ def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
             if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({*counts.values()}) > 1):
                 movable = [f"{link} ({count} joints)" for link, count in counts.items() if count >= FEWEST_JOINTS]
                 if not movable:
-                    raise InputError(robots[at], f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm.")
+                    raise InputError(robots[at], f"has no link that so many joints move: {TOO_FEW}.")
                 seems = f"seems to have {len(seen)} hands" if seen else "does not say which link holds the object"
                 rule = f"{seems}: choose with --tip, once an arm. There are {', '.join(movable)}."
                 raise InputError(robots[at], rule)

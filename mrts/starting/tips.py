@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from mrts.base.formats.urdf import Urdf, UrdfJoint
 
-FEWEST_JOINTS = 3
-"""Of a chain that may be an arm: a planar one."""
+FEWEST_JOINTS = 6
+"""Of a chain that may be an arm."""
 
 SIDES = {"left": ("left", "l"), "right": ("right", "r")}
 

@@ -176,11 +176,10 @@ def test_the_rank_and_what_is_lost_are_told(name, tmp_path):
         mrts.follow_object(cell_to_compile(tmp_path / "cell.yaml"), mrts.load_motion(tmp_path / "motion.yaml"))
     assert refused.value.rule == mistake.rule
     given = {"name": "cell", "robots": [str(urdf)], "tips": [f"l{len(axes)}"]}
-    if rank == 5:  # the others move in a plane to `mrts new`
-        with pytest.raises(InputError) as refused:
-            request_of(tmp_path, **given)
-        assert f"in {rank} independent directions" in refused.value.rule
-        assert refused.value.where == str(urdf)
+    with pytest.raises(InputError) as refused:
+        request_of(tmp_path, **given)
+    assert f"in {rank} independent directions" in refused.value.rule
+    assert refused.value.where == str(urdf)
 
 
 NO_EXTENT = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'

@@ -5,11 +5,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from conftest import DATA, UR5
 from published_robots import ROBOTS
 
 from mrts.cell.generation import arm_of_urdf, read_urdf
-from mrts.starting.arm import Arm, plane_of
+from mrts.starting.arm import Arm
 from mrts.starting.tips import first_link, hands
 
 EXACT = 1e-12
@@ -76,10 +75,3 @@ def test_places_jacobians_and_torques_at_rest_are_those_of_pinocchio(urdf, tip):
         assert state.R[sample] == pytest.approx(data.oMf[frame].rotation, abs=EXACT)
         assert state.jacobian[sample] == pytest.approx(jacobian, abs=EXACT)
         assert torque[sample] == pytest.approx(wanted, abs=1e3 * EXACT)
-
-
-def test_a_plane_is_that_in_which_all_joints_move():
-    flat = arm_of(DATA / "planar_arm.urdf", "contact")
-    spatial = arm_of(UR5 / "ur5_class_arm.urdf", "tool0")
-    assert plane_of([flat, flat]) == "xy"
-    assert plane_of([flat, spatial]) is None
