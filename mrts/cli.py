@@ -18,9 +18,8 @@ import click
 from mrts.base.errors import MrtsError, message_text
 from mrts.base.regular_file import FILES_READ
 from mrts.base.version import __version__
-from mrts.commands.console.answer import BAD_INPUT
-from mrts.commands.console.signals import persistent_interrupt
-from mrts.commands.console.terminal import (
+from mrts.commands.console import (
+    BAD_INPUT,
     DEBUG,
     QUIET,
     RemarkHandler,
@@ -31,6 +30,7 @@ from mrts.commands.console.terminal import (
     warn,
 )
 from mrts.commands.options import EVERYWHERE, printing
+from mrts.commands.signals import persistent_interrupt
 
 COMMANDS = {
     "demo": "run the paper's examples",

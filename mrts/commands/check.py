@@ -8,8 +8,7 @@ from click import argument, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.answer import BAD_INPUT, FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import QUIET, fail, working
+from mrts.commands.console import BAD_INPUT, FEASIBLE, INFEASIBLE, QUIET, Outputs, fail, working
 from mrts.commands.options import Named
 
 if TYPE_CHECKING:

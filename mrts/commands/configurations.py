@@ -8,8 +8,7 @@ from click import IntRange, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, working
 
 EXAMPLES = """\
 examples:
@@ -26,13 +25,7 @@ examples:
 @option("--show", type=IntRange(0), default=10, show_default=True, metavar="N", help="rows to print")
 @options.solver
 @options.json
-def run(
-    cell: Path,
-    motion: Path,
-    show: int,
-    json: Path | None = None,
-    **given: Any,
-) -> int:
+def run(cell: Path, motion: Path, show: int, json: Path | None = None, **given: Any) -> int:
     """Compare all inverse-kinematics branches of the arms."""
     from mrts.motion.motion_file import load_motion
     from mrts.motion.object_motion import ObjectMotion

@@ -7,8 +7,7 @@ from typing import Any
 from click import option
 
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE
-from mrts.commands.console.terminal import say, warn, working
+from mrts.commands.console import FEASIBLE, say, warn, working
 from mrts.commands.options import Written
 
 EXAMPLES = """\

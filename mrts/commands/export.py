@@ -9,8 +9,7 @@ from click import Choice, argument, option
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE
-from mrts.commands.console.terminal import say, working
+from mrts.commands.console import FEASIBLE, say, working
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:
@@ -31,12 +30,8 @@ examples:
 @option("--precision", type=Choice(["double", "float"]), default="double", show_default=True, help="of its numbers")
 @option("--name", help="prefix of all names (default: the cell's name)")
 @option("--motion", type=Named(), metavar="MOTION", help="motion of the test vectors (default: a short lift)")
-@option(
-    "--plan",
-    type=Named(".npz", dir_okay=False),
-    metavar="RESULT.npz",
-    help="a plan to be played at any speed (docs/override.md)",
-)
+@option("--plan", type=Named(".npz", dir_okay=False), metavar="RESULT.npz",
+        help="a plan to be played at any speed (docs/override.md)")  # fmt: skip
 @option("--fastest-override", type=float, metavar="W", help="largest speed along the plan (default: 1, the plan's)")
 @option("--backwards", is_flag=True, help="the plan may run back as well")
 @options.rates

@@ -6,8 +6,7 @@ from pathlib import Path
 from click import argument, option
 
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE
-from mrts.commands.console.terminal import say, warn, working
+from mrts.commands.console import FEASIBLE, say, warn, working
 from mrts.commands.options import Named, Written
 
 EXAMPLES = """\

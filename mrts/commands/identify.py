@@ -7,8 +7,7 @@ from typing import Any
 from click import argument, option
 
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import warn, working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, warn, working
 from mrts.commands.options import Named, Written
 
 EXAMPLES = """\
@@ -28,13 +27,7 @@ examples:
         help="of the filter of positions and efforts (default: 20, or a tenth of the sampling rate where that is "
         "less)")  # fmt: skip
 @options.plot("a figure of what is left over for each robot")
-def run(
-    cell: Path,
-    recording: Path,
-    output: Path,
-    plot: Path | None = None,
-    **given: Any,
-) -> int:
+def run(cell: Path, recording: Path, output: Path, plot: Path | None = None, **given: Any) -> int:
     """Find armature and friction of the motors in a recording of the arms' free motion."""
     from mrts.identification.identify import identify
     from mrts.motion.joint_recording import load_recording

@@ -10,8 +10,7 @@ from click import argument, option
 
 from mrts.base.errors import InputError, MotionError
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE
-from mrts.commands.console.terminal import say, warn, working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, say, warn, working
 from mrts.commands.options import Written
 
 if TYPE_CHECKING:
@@ -44,46 +43,20 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
 @option("--base", "bases", multiple=True, type=_vector("bases", 3, 6), metavar="X,Y,Z[,R,P,Y]",
         help="root of the URDF in the world, once for each robot; m, rad (default: proposed)")  # fmt: skip
 @option("--mass", type=float, metavar="KG", help="of the object (default: what the arms hold easily)")
-@option(
-    "--gravity",
-    type=_vector("gravity", 3),
-    metavar="X,Y,Z",
-    help="in the world (default: 0,0,-9.81)",
-)
+@option("--gravity", type=_vector("gravity", 3), metavar="X,Y,Z", help="in the world (default: 0,0,-9.81)")
 @option("--force", is_flag=True, help="overwrite files")
-def run(
-    folder: Path,
-    bases: "tuple[Array, ...]" = (),
-    *,
-    force: bool = False,
-    **given: Any,
-) -> int:
+def run(folder: Path, bases: "tuple[Array, ...]" = (), *, force: bool = False, **given: Any) -> int:
     """Begin a cell from URDFs alone: hands, bases, a motion that can be played."""
+    from mrts.base.atomic_file import text_writer, write_together
+    from mrts.cell.remarks import urdf_remarks
+    from mrts.starting.proposal import cell_file, motion_file, propose
     from mrts.starting.request import request_of
 
-    for path in (folder / "cell.yaml", folder / "motion.yaml"):
+    cell, motion = folder / "cell.yaml", folder / "motion.yaml"
+    for path in (cell, motion):
         if path.exists() and not force:
             raise InputError(path, "is there already; --force overwrites it, another DIR leaves it.")
-    request = request_of(
-        folder,
-        name=_name(folder),
-        bases=[_base(base) for base in bases],
-        **given,
-    )
-    return _begin(folder, request)
-
-
-def _base(numbers: "Array") -> "RigidTransform":
-    from mrts.base.rigid_transform import RigidTransform
-
-    x, y, z, *rpy = numbers.tolist()
-    return RigidTransform.from_xyz_rpy([x, y, z], rpy or [0.0, 0.0, 0.0])
-
-
-def _begin(folder: Path, request: "Request") -> int:
-    from mrts.cell.remarks import urdf_remarks
-    from mrts.starting.proposal import propose
-
+    request = request_of(folder, name=_name(folder), bases=[_base(base) for base in bases], **given)
     _tell_arms(request)
     with working("trying layouts (the first time, compiling)") as progress:
         try:
@@ -93,9 +66,16 @@ def _begin(folder: Path, request: "Request") -> int:
             for remark in (one for arm in request.arms for one in urdf_remarks(arm.robot)):
                 say(str(remark), "note")
             return INFEASIBLE
-    _write(folder, proposal)
-    _tell_proposal(folder, proposal)
+    write_together({cell: text_writer(cell_file(proposal)), motion: text_writer(motion_file(proposal))})
+    _tell_proposal(cell, motion, proposal)
     return FEASIBLE
+
+
+def _base(numbers: "Array") -> "RigidTransform":
+    from mrts.base.rigid_transform import RigidTransform
+
+    x, y, z, *rpy = numbers.tolist()
+    return RigidTransform.from_xyz_rpy([x, y, z], rpy or [0.0, 0.0, 0.0])
 
 
 def _name(folder: Path) -> str:
@@ -125,18 +105,9 @@ def _tell_arms(request: "Request") -> None:
     say("")
 
 
-def _write(folder: Path, proposal: "Proposal") -> None:
-    from mrts.base.atomic_file import text_writer, write_together
-    from mrts.starting.proposal import cell_file, motion_file
-
-    cell, motion = text_writer(cell_file(proposal)), text_writer(motion_file(proposal))
-    write_together({folder / "cell.yaml": cell, folder / "motion.yaml": motion})
-
-
-def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
+def _tell_proposal(cell: Path, motion: Path, proposal: "Proposal") -> None:
     lift = max(abs(proposal.layout.lift))
     asked = proposal.request.mass
-    cell, motion = folder / "cell.yaml", folder / "motion.yaml"
     if asked is not None and proposal.mass < asked:
         warn(f"{asked:g} kg are more than the motors can lift: {cell} has {proposal.mass:g} kg")
     say(f"{cell}: {len(proposal.request.arms)} arms hold {proposal.mass:g} kg", "strong")

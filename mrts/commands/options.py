@@ -22,7 +22,7 @@ from click.core import ParameterSource
 
 from mrts.base.atomic_file import check_writable
 from mrts.base.errors import InputError, MotionError, require_extra
-from mrts.commands.console.terminal import DEBUG, QUIET, put, working
+from mrts.commands.console import DEBUG, QUIET, put, working
 from mrts.plots import FIGURE_FORMATS
 
 if TYPE_CHECKING:

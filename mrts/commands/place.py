@@ -7,8 +7,7 @@ from typing import Any
 from click import argument, option
 
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs, check_not_read
-from mrts.commands.console.terminal import warn, working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, check_not_read, warn, working
 from mrts.commands.options import Named, Written
 
 EXAMPLES = """\

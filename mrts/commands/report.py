@@ -9,8 +9,7 @@ from click import argument, option
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE
-from mrts.commands.console.terminal import say
+from mrts.commands.console import FEASIBLE, INFEASIBLE, say
 from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:

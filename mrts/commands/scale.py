@@ -11,8 +11,7 @@ from click import Choice, option
 
 from mrts.base.errors import InputError, require_extra
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import Style, warn, working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, Style, warn, working
 from mrts.commands.options import HTML, Written, take
 from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 
@@ -44,7 +43,10 @@ PLANS = ("csv", "ros_bag")
 """Arguments that name files of the trajectory at the chosen speed."""
 
 FILES = ("save", *PLANS, "plot", "report")
-"""Arguments that name outputs, in the order in which they are written."""
+"""Arguments that name outputs."""
+
+HOW = ("what_if", "merged", "rate", "verbose", "brief")
+"""Arguments that say what is told and written."""
 
 
 @options.command(EXAMPLES)
@@ -95,71 +97,51 @@ FILES = ("save", *PLANS, "plot", "report")
         help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
 @option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
 @option("--brief", is_flag=True, help="print the answer in one line, warnings on standard error")
-def run(
-    cell: Path,
-    motion: Path,
-    profile: str,
-    json: Path | None = None,
-    rate: float | None = None,
-    *,
-    merged: bool = False,
-    what_if: bool = False,
-    verbose: bool = False,
-    brief: bool = False,
-    **given: Any,
-) -> int:
+def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **given: Any) -> int:
     """How fast may this motion be played, and with which torques?"""
     from mrts.motion.motion_file import load_motion
     from mrts.plots.card import answer_card
     from mrts.scaling.result import ScalingResult, fallbacks_text
     from mrts.scaling.scale import SelectionError
 
-    if brief and verbose:
-        raise InputError("verbose", "does not go with --brief, which is one line.")
-    _check(profile, given | ({"what_if": True} if what_if else {}))
-    files = take(given, FILES)
-    if merged and "ros_bag" not in files:
-        raise InputError("merged", "goes with --ros-bag.")
-    if rate is not None and not files.keys() & {*PLANS}:
-        raise InputError("rate", "goes with --csv or --ros-bag.")
+    _check(profile, given)
+    files, how = take(given, FILES), take(given, HOW)
     motion_given = load_motion(motion, **take(given, ("smooth",)))
-    automatic = _is_automatic(given)
+    if automatic := given.get("reserve") == "auto":
+        require_extra("reserve", "simulate", "mujoco")
+        del given["reserve"]
     limited = options.compiled_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
+    solved, search = partial(_solved, motion=motion_given, profile=profile, given=given), None
     try:
-        search = _searched(limited, motion_given, profile, given) if automatic else None
-        found = (search and search.found) or _solved(limited, motion_given, profile, given)
+        if automatic:
+            from mrts.simulation.simulate import least_reserve
+
+            search = least_reserve(lambda reserve: solved(limited.with_reserve(reserve)))
+        found = (search and search.found) or solved(limited)
     except SelectionError as error:
         if error.result is not None:  # the range that c² is not in
             Outputs(error.result, json).answer((), INFEASIBLE)
         raise
-    if what_if:
+    if "what_if" in how:
         with working("changing the cell") as progress:
             found = replace(found, changes=found.what_if(progress=progress))
     with working("comparing with a constant factor"):
-        card = None if verbose else answer_card(found)
-        lines = _words(found, card, search, brief=brief)
+        card = None if "verbose" in how else answer_card(found)
+        lines = _words(found, card, search, brief="brief" in how)
         plan = found if isinstance(found, ScalingResult) else found.retimed
-        plan = None if plan is None or plan.trajectory is None else plan if rate is None else plan.at_rate(rate)
+        plan = None if plan is None or plan.trajectory is None else plan
+        plan = plan.at_rate(how["rate"]) if plan and "rate" in how else plan
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = Outputs(found, json)
-        _write(outputs, found, plan, files, search, merged=merged)
+        _write(outputs, found, plan, files, search, merged="merged" in how)
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
     code = outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
     if isinstance(found, ScalingResult) and found.fallbacks and outputs.json_text is None:
         warn(fallbacks_text(found.fallbacks))
     return code
-
-
-def _is_automatic(given: dict[str, Any]) -> bool:
-    """Whether the least reserve is to be found; the option is then taken out of the others."""
-    if given.get("reserve") != "auto":
-        return False
-    require_extra("reserve", "simulate", "mujoco")
-    del given["reserve"]
-    return True
 
 
 def _words(
@@ -179,12 +161,17 @@ def _check(profile: str, given: dict[str, Any]) -> None:
 
     module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
     solve = getattr(import_module(f"mrts.{module}.{name}"), name)
-    known = {*signature(solve).parameters, *FILES, *options.LIMITS, "smooth"}
-    known |= {"what_if"} if profile != "smooth" else set()
-    known -= {"rates"} if profile == "optimal" else set()
+    known = {*signature(solve).parameters, *FILES, *HOW, *options.LIMITS, "smooth"}
+    known -= {"constant": set(), "optimal": {"rates"}, "smooth": {"what_if"}}[profile]
     for name in given:
         if name not in known:
             raise InputError(name, f"does not go with --profile {profile}.")
+    if "brief" in given and "verbose" in given:
+        raise InputError("verbose", "does not go with --brief, which is one line.")
+    if "merged" in given and "ros_bag" not in given:
+        raise InputError("merged", "goes with --ros-bag.")
+    if "rate" in given and not given.keys() & {*PLANS}:
+        raise InputError("rate", "goes with --csv or --ros-bag.")
     if "what_if" in given and given.get("load") == "possible":
         raise InputError("what_if", "goes with --load guaranteed, not with what is possible with some load.")
     if "weights" in given and "sharing" in given and profile != "smooth":
@@ -207,14 +194,6 @@ def _solved(
         return retime(cell, motion, **given, progress=progress)
 
 
-def _searched(
-    cell: "Cell", motion: "ObjectMotion | JointTable", profile: str, given: dict[str, Any]
-) -> "ReserveSearch":
-    from mrts.simulation.simulate import least_reserve
-
-    return least_reserve(lambda reserve: _solved(cell.with_reserve(reserve), motion, profile, dict(given)))
-
-
 def _write(
     outputs: Outputs,
     found: "ScalingResult | RetimingResult",
@@ -225,41 +204,26 @@ def _write(
     merged: bool,
 ) -> None:
     """Write what was asked for; files of one trajectory hold the plan, if there is one."""
-    left_out = []
-    for name, path in files.items():
-        if name in PLANS and plan is None:
-            left_out.append(f"--{name.replace('_', '-')}")
-        else:
-            outputs.write(path, partial(_write_file, name, plan if name in PLANS else found, search, merged=merged))
-    if left_out:
-        warn(f"there is no trajectory for {', '.join(left_out)}: not written")
-
-
-def _write_file(
-    name: str,
-    found: Any,
-    search: "ReserveSearch | None",
-    path: Path,
-    *,
-    merged: bool,
-) -> None:
-    if name == "save":
+    if "save" in files:
         from mrts.output.saved_result import save_result
 
-        save_result(found, path)
-    elif name == "csv":
+        outputs.write(files["save"], partial(save_result, found))
+    if plan is None and (left_out := [f"--{name.replace('_', '-')}" for name in PLANS if name in files]):
+        warn(f"there is no trajectory for {', '.join(left_out)}: not written")
+    if plan is not None and "csv" in files:
         from mrts.output.trajectory_table import write_trajectory_csv
 
-        write_trajectory_csv(found, path)
-    elif name == "ros_bag":
+        outputs.write(files["csv"], partial(write_trajectory_csv, plan))
+    if plan is not None and "ros_bag" in files:
         from mrts.output.ros_bag import write_ros_bag
 
-        write_ros_bag(found, path, merged=merged)
-    elif name == "plot":
+        outputs.write(files["ros_bag"], partial(write_ros_bag, plan, merged=merged))
+    if "plot" in files:
         from mrts.plots import reserve_plot, result_plots, write_plots
 
-        write_plots(result_plots(found) + ([] if search is None else [reserve_plot(search)]), path)
-    else:
+        of_search = [] if search is None else [reserve_plot(search)]
+        outputs.write(files["plot"], lambda folder: write_plots([*result_plots(found), *of_search], folder))
+    if "report" in files:
         from mrts.report import write_report
 
-        write_report(found, path)
+        outputs.write(files["report"], partial(write_report, found))

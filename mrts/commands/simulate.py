@@ -8,8 +8,7 @@ from click import argument, option
 
 from mrts.base.errors import InputError, require_extra
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, working
 from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:

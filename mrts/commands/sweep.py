@@ -11,8 +11,7 @@ from click import IntRange, argument, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import warn, working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, warn, working
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ from click import IntRange, argument, option
 from mrts.base.errors import InputError, require_extra
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
-from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
-from mrts.commands.console.terminal import say, warn, working
+from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, say, warn, working
 from mrts.commands.options import Named, Written, take
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from conftest import DATA
 import mrts
 from mrts.base.errors import LONGEST_MESSAGE, html_text, printable
 from mrts.cli import main
-from mrts.commands.console.terminal import put, say, warn
+from mrts.commands.console import put, say, warn
 
 pytestmark = pytest.mark.quick
 

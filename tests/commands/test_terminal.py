@@ -18,7 +18,7 @@ from mrts.cli import COMMANDS, main
 
 MRTS = (sys.executable, "-m", "mrts")
 LIFT = ("scale", DATA / "cell.yaml", DATA / "lift.yaml")
-SOON = "import mrts.commands.console.terminal as terminal; terminal.PATIENCE = 0.2;"
+SOON = "import mrts.commands.console as console; console.PATIENCE = 0.2;"
 """Signs of life show before a second has passed, so that less work is enough to see them."""
 
 MAIN = "import sys; from mrts.cli import main; sys.exit(main(sys.argv[1:]))"

@@ -58,7 +58,7 @@ def test_scaling_a_cached_cell_imports_what_it_uses(dual_ur5, profile):
     )
     line = ["scale", data / "cell.yaml", data / "lift_and_turn.yaml", "--profile", profile, "--quiet"]
     done = subprocess.run([sys.executable, "-c", script, *line], capture_output=True, text=True, check=True)
-    verb = ["mrts.commands." + name for name in ("options", "scale")]
+    verb = ["mrts.commands." + name for name in ("options", "scale", "signals")]
     assert done.stdout == f"0 []\n{verb}\n"
     assert dual_ur5.library
 
