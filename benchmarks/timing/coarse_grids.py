@@ -208,7 +208,7 @@ def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, 
 
     try:
         fine, motion = followed(len(FINE)), followed(POINTS)
-        path_pieces(motion)
+        path_pieces(cell, motion)
     except (MotionError, PathError):
         return None
     share = PROFILES["quintic"](FINE)[0]

@@ -116,7 +116,7 @@ def by_copp_robot(grid: Array, path: Any, limits: Array, torque: Callable[..., A
 
 def by_copp_generated(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> Callable[[], float]:
     """Copp with the same rows by mrts's generated C: dynamics of one arm and its load from the URDF."""
-    path = path_pieces(motion)[0].path
+    path = path_pieces(cell, motion)[0].path
 
     def rows() -> tuple[Rows, Array, Array]:
         problem = build_sample_problem(motion_rows(cell, path), varying=True)

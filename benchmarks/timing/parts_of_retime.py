@@ -25,7 +25,6 @@ PARTS = {
     "mrts.timing.retime:motion_remarks": "remarks, doubtful gaps",
     "mrts.timing.retime:check_held_between": "remarks, doubtful gaps",
     "mrts.timing.fastest_timing:path_pieces": "path and its pieces",
-    "mrts.timing.fastest_timing:closed_piece": "path and its pieces",
     "mrts.timing.fastest_timing:build_sample_problem": "rows of the regions",
     "mrts.timing.fastest_timing:speed_regions": "regions",
     "mrts.timing.fastest_timing:fastest_profile": "profile",

@@ -74,7 +74,7 @@ def refined_timing(
     """
     most = max(MOST_SAMPLES, MOST_TIMES * timed.motion.samples)
     adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
-    best, stalled, before = timed, 0, None
+    best, least, stalled, before = timed, Excess(np.inf, tolerance), 0, None
     for turn in range(MOST_ROUNDS + 1):
         if not timed.pieces:
             return timed
@@ -86,9 +86,8 @@ def refined_timing(
             if adds and turn == 0 and part.profile:
                 sharp = _turns(part.piece) / SHARP
                 own[sharp > 1] = np.maximum(own, tolerance * sharp**2)[sharp > 1]
-        timed = replace(timed, excess=worst)
-        if best.excess is None or worst.share < best.excess.share:
-            best, stalled = timed, 0
+        if worst.share < least.share:
+            best, least, stalled = timed, worst, 0
         else:
             stalled += 1
         if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not np.any(share > tolerance):
@@ -102,15 +101,13 @@ def refined_timing(
         if timed.motion.samples + np.sum(count - 1) > most:
             break
         timed = again(_divided(timed.cell, timed.motion, segment, count), timed)
-    if best.excess is None or not best.excess.passes:
-        return best
-    return replace(best, status=best.status.at_samples)
+    return replace(best, status=best.status.at_samples if least.passes else best.status, excess=least)
 
 
 def without_sharp_turns(cell: Cell, motion: CoordinatedMotion) -> CoordinatedMotion:
     """A motion with its sharp turns divided, which may admit no speed as they are."""
     turn = np.zeros(motion.samples - 1)
-    for piece in path_pieces(motion):
+    for piece in path_pieces(cell, motion):
         own = _turns(piece)
         turn[piece.first :][: len(own)] = own
     count = np.ceil(turn / SHARP).clip(1, PARTS).astype(int)
@@ -162,7 +159,9 @@ def excess_between(
     Returns:
         Of each piece, at each of `PLACES` in each segment, Shape (n - 1, p); and the worst.
     """
-    worst, shares, time = Excess(0.0, tolerance), [], timed.motion.object.time
+    shares: list[Array] = []
+    worst: tuple[float, float | None, RowOrFinder | None] = 0.0, None, None
+    time = timed.motion.object.time
     for part in timed.pieces:
         row: RowOrFinder | None = None
         if isinstance(part, SmoothPiece):
@@ -171,12 +170,12 @@ def excess_between(
             share = _least_excess(timed, part, before)
         shares.append(share)
         segment, place = divmod(int(np.argmax(share)), len(PLACES))
-        if share[segment, place] > worst.share:
+        if share[segment, place] > worst[0]:
             start, end = time[part.piece.first + segment :][:2]
             at = float(start + PLACES[place] * (end - start))
-            named = row or partial(_overstepped, timed, part, segment, place)
-            worst = Excess(float(share[segment, place]), tolerance, at, named)
-    return shares, worst
+            worst = float(share[segment, place]), at, row or partial(_overstepped, timed, part, segment, place)
+    most, when, named = worst
+    return shares, Excess(most, tolerance, when, named)
 
 
 def _least_excess(timed: RetimingResult, part: TimedPiece, before: tuple[RetimingResult, list[Array]] | None) -> Array:
@@ -215,12 +214,12 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
     needs differs from that by the square of the step. So it is looked at with wrenches that are linear too: those of
     the plan, and where the load varies those that carry each of its corners.
     """
-    inside, (segment, place, x, u) = part.inside, part.between()
+    inside, segment, place, x, u = part.between()
     path = part.fine.at(inside)
     loads, carried = [timed.cell.load], [part.plan]
     if len(timed.loads) > 1:
         loads += timed.loads
-        carried += np.split(part.steps.profile.free, len(timed.loads), axis=1)
+        carried += part.carried
     over: list[Array] = []
     row_at: list[Callable[..., ActiveRow]] = []
     rates = timed.options.rates

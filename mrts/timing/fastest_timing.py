@@ -3,7 +3,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,8 @@ from mrts.timing.fastest_profile import (
     rising_profile,
     speed_regions,
 )
-from mrts.timing.path_pieces import PathError, PathPiece, closed_piece, path_pieces
-from mrts.timing.result import RetimingResult, RetimingStatus
+from mrts.timing.path_pieces import PathError, PathPiece, path_pieces
+from mrts.timing.result import RetimingResult, RetimingStatus, best_factor
 from mrts.timing.retimed_motion import TimedPiece, fastest_piece
 from mrts.timing.successive_profiles import successive_profiles
 
@@ -67,46 +67,52 @@ def fastest_timing(
     if asked.options.load == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
-    untimed = RetimingResult(cell, motion, asked.given, asked.options, loads=loads, end_speeds=end_speeds)
+    outcome = partial(RetimingResult, cell, motion, asked.given, asked.options, loads=loads, end_speeds=end_speeds)
     try:
-        pieces = path_pieces(motion)
+        pieces = path_pieces(cell, motion)
     except PathError as error:
-        return replace(untimed, status=RetimingStatus(error.kind), explanation=str(error))
+        return outcome(RetimingStatus(error.kind), str(error))
     rests = (pieces[0].rests[0], pieces[-1].rests[1])
     for name, speed, at_rest in zip(("start_speed", "end_speed"), end_speeds, rests, strict=True):
         if speed > 0 and at_rest:
             raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
     timed: list[TimedPiece] = []
     for part in pieces:
-        found = _Search(untimed, closed_piece(cell, part), points, before).run()
-        if isinstance(found, RetimingResult):
-            return found
+        found = _Search(asked, motion, part, points, loads, before).run()
+        if not isinstance(found, TimedPiece):
+            return outcome(*found)
         timed.append(found)
-    return replace(untimed, pieces=tuple(timed))
+    return outcome(pieces=tuple(timed))
+
+
+_Reason = tuple[RetimingStatus, str, Conflict | None]
+"""Why there is no timing."""
 
 
 @dataclass(frozen=True)
 class _Search:
-    untimed: RetimingResult
+    asked: RetimingResult
+    motion: CoordinatedMotion
     piece: PathPiece
     points: tuple[LoadPoint | None, ...]
-    before: RetimingResult | None = None
+    loads: tuple[Array, ...]
+    before: RetimingResult | None
 
     @cached_property
     def ends(self) -> tuple[float, float]:
         """σ̇² at both ends."""
         start, end = (
             0.0 if rests else (speed * float(self.piece.given_rate[place])) ** 2
-            for rests, speed, place in zip(self.piece.rests, self.untimed.end_speeds, (0, -1), strict=True)
+            for rests, speed, place in zip(self.piece.rests, self.asked.end_speeds, (0, -1), strict=True)
         )
         return start, end
 
     @cached_property
     def rows(self) -> MotionRows:
         """The limits along the piece."""
-        return motion_rows(self.untimed.cell, self.piece.path, self.untimed.options.sharing)
+        return motion_rows(self.asked.cell, self.piece.path, self.asked.options.sharing)
 
-    def run(self) -> TimedPiece | RetimingResult:
+    def run(self) -> TimedPiece | _Reason:
         """The fastest profile, or the outcome without one."""
         step = self.piece.step
         if self.rows.has_speed_terms:
@@ -123,7 +129,7 @@ class _Search:
                     f"the admissible speeds at {self._place(sample)} were not found, although its limits hold "
                     "together. This is a defect of mrts or of extremely scaled data: please report cell and motion."
                 )
-            return self._none(RetimingStatus.INFEASIBLE, f"{conflict}.", conflict)
+            return RetimingStatus.INFEASIBLE, f"{conflict}.", conflict
         found = fastest_profile(step, regions, self.ends)
         if isinstance(found, Obstacle):
             return self._explained(found)
@@ -136,13 +142,13 @@ class _Search:
 
     def _problems(self, samples: NDArray[np.intp] | None = None) -> Iterator[SampleProblem]:
         """The rows of some samples, or all, for each load."""
-        for load in self.untimed.loads:
+        for load in self.loads:
             yield build_sample_problem(self.rows, load=load, samples=samples, varying=True)
 
     def _regions(self) -> SpeedRegions:
         """The admissible speeds at all samples; where the path is that of the timing before, they are known."""
         length, before = float(np.sum(self.piece.step)), self.before
-        known = before and before.part_along(self.piece, self.untimed.motion)
+        known = before and before.part_along(self.piece, self.motion)
         profile = before.pieces[known[0]].profile if before and known else None
         if not known or profile is None:
             return intersect_regions([speed_regions(one, length, self.ends) for one in self._problems()])
@@ -153,30 +159,27 @@ class _Search:
         more = [speed_regions(one, length, self.ends, regions.bound) for one in self._problems(new)]
         return regions.with_samples(new, intersect_regions(more))
 
-    def _none(self, status: RetimingStatus, why: str, conflict: Conflict | None = None) -> RetimingResult:
-        return replace(self.untimed, status=status, explanation=why, conflict=conflict)
-
-    def _unusual(self, timed: TimedPiece, bound: float) -> RetimingResult | None:
+    def _unusual(self, timed: TimedPiece, bound: float) -> _Reason | None:
         fastest = int(np.argmax(timed.x))
         if timed.x[fastest] >= UNBOUNDED_SHARE * bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
-            return self._none(RetimingStatus.UNBOUNDED, why)
+            return RetimingStatus.UNBOUNDED, why, None
         with np.errstate(divide="ignore"):
             times = timed.segment_times
         stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
-        upper = self.untimed.factor.range.upper
+        upper = best_factor(self.asked.cell, self.asked.given, self.asked.options).range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."
-        return self._none(RetimingStatus.STANDSTILL, why)
+        return RetimingStatus.STANDSTILL, why, None
 
-    def _explained(self, obstacle: Obstacle) -> RetimingResult:
+    def _explained(self, obstacle: Obstacle) -> _Reason:
         k, reach = obstacle.sample, obstacle.reach
         for sample in (k, k + 1) if obstacle.kind == "segment" else (k,):
             conflict = self._conflict(sample)
             if conflict is not None:
-                return self._none(RetimingStatus.INFEASIBLE, f"{conflict}.", conflict)
+                return RetimingStatus.INFEASIBLE, f"{conflict}.", conflict
         if obstacle.kind != "segment":
             return self._wrong_end(obstacle)
         conflict = self._conflict(k, reach)
@@ -185,32 +188,32 @@ class _Search:
             f"no speed at {self._place(k)} leads on to where the end can still be reached, ṙ in [{low:.6g}, "
             f"{high:.6g}] at the next sample{_rows(conflict)}. Change the path or its end speeds, or raise a limit."
         )
-        return self._none(RetimingStatus.NOT_CONTROLLABLE, why, conflict)
+        return RetimingStatus.NOT_CONTROLLABLE, why, conflict
 
-    def _wrong_end(self, obstacle: Obstacle) -> RetimingResult:
+    def _wrong_end(self, obstacle: Obstacle) -> _Reason:
         start = obstacle.kind == "start"
         speed, given = self.piece.given_rate[obstacle.sample], self.ends[0 if start else 1]
         place, status = self._place(obstacle.sample), RetimingStatus.START_SPEED if start else RetimingStatus.END_SPEED
         conflict = self._conflict(obstacle.sample, obstacle.next_reach, given)
         if given == 0:
             why = f"the motion cannot {'start from' if start else 'come to'} rest at {place}{_rows(conflict)}."
-            return self._none(status, why, conflict)
+            return status, why, conflict
         low, high = (np.sqrt(x) / speed for x in obstacle.reach)
         why = (
             f"at {place} the motion may {obstacle.kind} with ṙ in [{low:.6g}, {high:.6g}], but "
             f"{np.sqrt(given) / speed:.6g} is asked for{_rows(conflict)}. Give another {obstacle.kind} speed, "
             "or a motion that is at rest there."
         )
-        return self._none(status, why, conflict)
+        return status, why, conflict
 
     def _place(self, sample: int) -> str:
         sample += self.piece.first
-        return f"t = {self.untimed.motion.object.time[sample]:.6g} s (sample {sample})"
+        return f"t = {self.motion.object.time[sample]:.6g} s (sample {sample})"
 
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None
     ) -> Conflict | None:
-        time = self.untimed.motion.object.time[self.piece.first :]
+        time = self.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
         for point, problem in zip(self.points, self._problems(), strict=True):
             if reach is None:

@@ -4,8 +4,7 @@
 The last is for smooth timings: by the time of a quintic one that starts from rest with limited rates is regular.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Literal
@@ -65,7 +64,6 @@ class PathPiece:
         arc_speed: ds/dσ at the samples, Shape (n,).
         speed: ds/dr at the samples, Shape (n,).
         rests: Whether the motion is at rest at its start, and at its end.
-        continued: Samples near rest, whose derivatives are continued from a faster one.
     """
 
     first: int
@@ -74,7 +72,6 @@ class PathPiece:
     arc_speed: Array
     speed: Array
     rests: tuple[bool, bool]
-    continued: NDArray[np.int_]
 
     @cached_property
     def step(self) -> Array:
@@ -96,11 +93,13 @@ class PathError(MrtsError):
         self.kind = kind
 
 
-def path_pieces(motion: CoordinatedMotion) -> list[PathPiece]:
+def path_pieces(cell: Cell, motion: CoordinatedMotion) -> list[PathPiece]:
     """Cut a motion at its stops and take the timing out of it: σ is the arc length.
 
     s is the arc length of the joints' path, ds = |q'| dr with |q'| the root mean square over the joints: unlike the
     given time it is regular where a motion starts from rest, and a constant acceleration is a constant s̈.
+    Near rest derivatives are continued from a faster sample, and those of the joints keep the grasps on the object:
+    continued each by themselves, the arms would carry it apart, by the square of a step.
 
     Raises:
         PathError: If the motion stands still over a segment, or turns back inside one.
@@ -114,7 +113,7 @@ def path_pieces(motion: CoordinatedMotion) -> list[PathPiece]:
     for wait in np.flatnonzero(rest[1:] & rest[:-1])[:1].tolist():
         raise _waiting(motion, wait)
     cuts = [0, *(np.flatnonzero(rest[1:-1]) + 1).tolist(), motion.samples - 1]
-    return [_piece(motion, first, last, speed, rest, fastest) for first, last in pairwise(cuts)]
+    return [_piece(cell, motion, (first, last), speed, rest) for first, last in pairwise(cuts)]
 
 
 def _waiting(motion: CoordinatedMotion, segment: int) -> PathError:
@@ -136,8 +135,9 @@ def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> Coordin
 
 
 def _piece(
-    motion: CoordinatedMotion, first: int, last: int, all_speeds: Array, rest: NDArray[np.bool_], fastest: float
+    cell: Cell, motion: CoordinatedMotion, ends: tuple[int, int], all_speeds: Array, rest: NDArray[np.bool_]
 ) -> PathPiece:
+    (first, last), fastest = ends, np.max(all_speeds)
     part = slice(first, last + 1)
     given, speed, q, dq, ddq = motion.object, all_speeds[part], motion.q[part], motion.dq[part], motion.ddq[part]
     moves = speed > NEAR_REST * fastest
@@ -180,38 +180,29 @@ def _piece(
             f"the motion turns back on itself {where}, so it stops between two samples. Give a sample at the turning "
             "point, or retime what is before and after it by themselves."
         )
-    if not (np.all(np.diff(s) > 0) and all(np.all(np.isfinite(of)) for of in (s[-1], bend, change))):
+    if not (np.all(np.diff(s) > 0) and np.all(np.isfinite(np.column_stack([s, bend, change])))):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
-    path = unchecked_object_motion(s, given.position[part], given.rotation[part], turning, change)
+    carried = unchecked_object_motion(s, given.position[part], given.rotation[part], turning, change)
+    path = unchecked_coordinated_motion(carried, q, direction, bend)
+    if continued.size:
+        there, direction, bend = path.at(np.concatenate([[0], continued, [-1]])), direction.copy(), bend.copy()
+        rates, changes = nearest_rates(cell, there.object, there.q, there.dq, there.ddq)
+        direction[continued], bend[continued] = rates[1:-1], changes[1:-1]
+        path = unchecked_coordinated_motion(carried, q, direction, bend)
     return PathPiece(
         first=first,
-        path=unchecked_coordinated_motion(path, q, direction, bend),
+        path=path,
         arc=s,
         arc_speed=np.ones_like(s),
         speed=speed,
         rests=(bool(rest[first]), bool(rest[last])),
-        continued=continued,
     )
 
 
-def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
-    """The same piece; where its derivatives were continued, those of the joints keep the grasps on the object.
-
-    Continued each by themselves, the arms would carry it apart, by the square of a step.
-    """
-    path, continued = piece.path, piece.continued
-    if not continued.size:
-        return piece
-    some = path.at(np.concatenate([[0], continued, [-1]]))  # two samples at least
-    dq, ddq = path.dq.copy(), path.ddq.copy()
-    dq[continued], ddq[continued] = (
-        rates[1:-1] for rates in nearest_rates(cell, some.object, some.q, some.dq, some.ddq)
-    )
-    return replace(piece, path=unchecked_coordinated_motion(path.object, path.q, dq, ddq, path.travel))
-
-
-def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Array) -> CoordinatedMotion:
+def _by_parameter(
+    path: CoordinatedMotion, travel: Array, sigma: Array, first: Array, second: Array
+) -> CoordinatedMotion:
     """A path by arc length s as one by another parameter σ, by σ, ds/dσ and d²s/dσ² at the samples, each Shape (n,)."""
 
     def rates(rate: Array, change: Array) -> tuple[Array, Array]:
@@ -220,7 +211,7 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     given = path.object
     dq, ddq = rates(path.dq, path.ddq)
     carried = unchecked_object_motion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration))
-    return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel_directions(path))
+    return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel)
 
 
 def root_mean_square(values: Array) -> Array:
@@ -253,14 +244,13 @@ def _inverse(rising: Polynomial, share: Array) -> Array:
 
 def stops(piece: PathPiece, end_speeds: tuple[float, float]) -> tuple[bool, bool]:
     """Whether a timing is at rest at the ends of a piece: where the motion is, and where no speed is asked for."""
-    start, end = (rests or speed == 0 for rests, speed in zip(piece.rests, end_speeds, strict=True))
-    return start, end
+    return piece.rests[0] or end_speeds[0] == 0, piece.rests[1] or end_speeds[1] == 0
 
 
 def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float]) -> CoordinatedMotion:
     """The same motion at nodes that are evenly spaced in σ, as many as it has samples but not too few."""
     given, times, kept = motion.object.time, [], [0]
-    for piece in path_pieces(motion):
+    for piece in path_pieces(cell, motion):
         n, s = len(piece.speed), piece.arc
         time = given[piece.first : piece.first + n]
         places = np.linspace(0, 1, max(n, LEAST_NODES))[1:-1]
@@ -271,71 +261,75 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
     added = np.unique(np.concatenate(times))
     added = added[~np.isin(added, given)]
     whole = with_samples(cell, motion, added)
-    chosen = np.isin(whole.object.time, np.concatenate([added, given[kept]]))
-    of, names = whole.object, ("time", "position", "rotation", "twist", "acceleration")
-    carried = unchecked_object_motion(*(getattr(of, name)[chosen] for name in names), course=of.course)
-    travel = None if whole.travel is None else whole.travel[:, chosen]
-    joints = (whole.q[chosen], whole.dq[chosen], whole.ddq[chosen])
-    return unchecked_coordinated_motion(carried, *joints, travel, (), whole.course)
+    chosen = np.flatnonzero(np.isin(whole.object.time, np.concatenate([added, given[kept]])))
+    nodes, time, course = whole.at(chosen), whole.object.time[chosen], whole.object.course
+    of = nodes.object
+    carried = unchecked_object_motion(time, of.position, of.rotation, of.twist, of.acceleration, course=course)
+    return unchecked_coordinated_motion(carried, nodes.q, nodes.dq, nodes.ddq, nodes.travel, (), whole.course)
 
 
 def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
     """Finely spaced times and the arc length there, a cubic polynomial by its values and slopes on each segment."""
     h, u = np.diff(time)[:, None], np.arange(FINE) / FINE
-    rise = np.diff(s)[:, None]
-    start, end = (h * speed[side, None] for side in (slice(None, -1), slice(1, None)))
+    rise, start, end = np.diff(s)[:, None], h * speed[:-1, None], h * speed[1:, None]
     way = s[:-1, None] + u * start + u**2 * (3 * rise - 2 * start - end) + u**3 * (start + end - 2 * rise)
     fine = time[:-1, None] + h * u
     rising = np.maximum.accumulate(np.append(way.ravel(), s[-1]))
     return np.append(fine.ravel(), time[-1]), rising
 
 
-def smooth_path(
-    motion: CoordinatedMotion, piece: PathPiece, end_speeds: tuple[float, float], slower: float
-) -> tuple[PathPiece, CoordinatedMotion, Array]:
-    """A piece by σ, the time in which a quintic from stop to stop goes its way; `fine` and `third` of `SmoothPiece`.
+def smooth_pieces(
+    cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float], duration: float
+) -> list[tuple[PathPiece, CoordinatedMotion, Array]]:
+    """The pieces of a motion with nodes at its samples, by the time σ in which quintics from stop to stop go their way.
 
-    Where it is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a limited rate it goes with t³, so that ṡ²
-    by σ is finite and not zero.
+    That is some duration [s] in all. Where a piece is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a
+    limited rate it goes with t³, so that ṡ² by σ is finite and not zero. At a stop on the way each knows how every
+    joint travels on the other side, so that the torques there are the same before and after it: of a joint that turns
+    back, without dry friction.
+
+    Returns:
+        Each with `fine` and `third` of `SmoothPiece`.
     """
-    path, at_rest, nodes = piece.path, stops(piece, end_speeds), np.arange(0, piece.path.samples, STRIDE)
+    time = motion.object.time
+    pieces = path_pieces(cell, with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel()))
+    travels = [travel_directions(piece.path) for piece in pieces]
+    for before, after in pairwise(travels):
+        before[1, -1], after[0, 0] = after[1, 0], before[0, -1]
+    slower = duration / float(time[-1])
+    return [
+        _smooth_piece(motion, piece, travel, stops(piece, end_speeds), slower)
+        for piece, travel in zip(pieces, travels, strict=True)
+    ]
+
+
+def _smooth_piece(
+    motion: CoordinatedMotion, piece: PathPiece, travel: Array, at_rest: tuple[bool, bool], slower: float
+) -> tuple[PathPiece, CoordinatedMotion, Array]:
+    path, nodes = piece.path, np.arange(0, piece.path.samples, STRIDE)
     first_node, s = piece.first // STRIDE, path.object.time
     time = motion.object.time[first_node : first_node + len(nodes)]
     duration, quintic = slower * float(time[-1] - time[0]), QUINTICS[at_rest]
     z = _inverse(quintic, s / s[-1])
-    first, second, third = (s[-1] / duration**order * quintic.deriv(order)(z) for order in (1, 2, 3))
+    by = np.stack([s[-1] / duration**order * quintic.deriv(order)(z) for order in (1, 2, 3)])
     for place, stopped in zip((0, -1), at_rest, strict=True):
         if stopped:
-            first[place] = second[place] = 0.0
+            by[:2, place] = 0.0
     turns = third_derivatives(np.diff(s), path.dq, path.ddq)
     if motion.course is None and motion.object.course is None:  # accelerations between nodes are only between theirs
         turns = _between_nodes(s, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
     sides = np.stack([np.arange(len(s) - 1), np.arange(1, len(s))], axis=1)
-    by, by2, by3 = (of[sides][..., None] for of in (first, second, third))
+    first, second, third = by[:, sides, None]
     of_nodes = PathPiece(
         first=first_node,
-        path=by_parameter(path.at(nodes), z[nodes] * duration, first[nodes], second[nodes]),
+        path=_by_parameter(path.at(nodes), travel[:, nodes], z[nodes] * duration, *by[:2, nodes]),
         speed=piece.speed[nodes],
         rests=piece.rests,
-        continued=np.flatnonzero(np.isin(nodes, piece.continued)),
         arc=s[nodes],
-        arc_speed=first[nodes],
+        arc_speed=by[0, nodes],
     )
-    third = turns * by**3 + 3 * path.ddq[sides] * by * by2 + path.dq[sides] * by3
-    return of_nodes, by_parameter(path, z * duration, first, second), third
-
-
-def joined_at_stops(pieces: Sequence[PathPiece]) -> list[PathPiece]:
-    """The same pieces, each knowing at a stop how every joint travels on the other side of it.
-
-    So the torques at a stop are the same before and after it: of a joint that turns back there, without dry friction.
-    """
-    travels = [np.array(piece.path.travel) for piece in pieces]
-    for before, after in pairwise(travels):
-        before[1, -1], after[0, 0] = after[1, 0], before[0, -1]
-    return [
-        replace(piece, path=replace(piece.path, travel=travel)) for piece, travel in zip(pieces, travels, strict=True)
-    ]
+    thirds = turns * first**3 + 3 * path.ddq[sides] * first * second + path.dq[sides] * third
+    return of_nodes, _by_parameter(path, travel, z * duration, *by[:2]), thirds
 
 
 def _between_nodes(s: Array, third: Array) -> Array:

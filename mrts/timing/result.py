@@ -144,10 +144,10 @@ class RetimingResult(Result):
         options: What was asked.
         status: The outcome.
         explanation: Why there is no profile; empty if there is one.
+        conflict: The limits that conflict, where limits are the reason.
         loads: Load vectors that the profile carries, each Shape (10,).
         pieces: The path from stop to stop with its fastest speed; empty if there is none.
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
-        conflict: The limits that conflict, where limits are the reason.
         excess: How far limits are overstepped between the samples; None without a profile.
         smooth: What is known of a timing with limits of rates; None without them, or without any timing.
         end_speeds: ṙ at the start and at the end, where the given motion does not rest there.
@@ -160,10 +160,10 @@ class RetimingResult(Result):
     options: Options
     status: RetimingStatus = RetimingStatus.OPTIMAL
     explanation: str = ""
+    conflict: Conflict | None = None
     loads: tuple[Array, ...] = ()
     pieces: tuple[TimedPiece, ...] = ()
     retimed: ScalingResult | None = None
-    conflict: Conflict | None = None
     excess: Excess | None = None
     smooth: SmoothAnswer | None = None
     end_speeds: tuple[float, float] = (0.0, 0.0)
@@ -201,18 +201,8 @@ class RetimingResult(Result):
 
     @cached_property
     def factor(self) -> ScalingResult:
-        """The best constant factor without its torques, for comparison; without a c² where none moves the object.
-
-        Raises:
-            MotionError: If the arms cannot hold the object where that range is looked at between the samples.
-            SolverError: If no solver answers.
-        """
-        try:
-            return chosen_factor(self.cell, self.given, self.options)[0]
-        except SelectionError as error:
-            if error.result is None:
-                raise
-            return error.result
+        """`best_factor` of the given motion, for comparison."""
+        return best_factor(self.cell, self.given, self.options)
 
     @cached_property
     def constant(self) -> ScalingResult:
@@ -370,6 +360,21 @@ class RetimingResult(Result):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | self.retimed.played_json(done)
+
+
+def best_factor(cell: Cell, motion: CoordinatedMotion, options: Options) -> ScalingResult:
+    """The best constant factor without its torques; without a c² where none moves the object.
+
+    Raises:
+        MotionError: If the arms cannot hold the object where the range is looked at between the samples.
+        SolverError: If no solver answers.
+    """
+    try:
+        return chosen_factor(cell, motion, options)[0]
+    except SelectionError as error:
+        if error.result is None:
+            raise
+        return error.result
 
 
 def _limits(name: RowName, told: Sequence[ActiveRow | str]) -> bool:

@@ -20,7 +20,6 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.program.between_samples import BETWEEN
 from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.scaling.options import Options, limited_cell
@@ -29,10 +28,9 @@ from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing, without_sharp_turns
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.path_pieces import smooth_nodes
-from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
-from mrts.timing.retimed_motion import SmoothPiece, new_times, retimed_motion
-from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
+from mrts.timing.result import RetimingResult, RetimingStatus, best_factor
+from mrts.timing.retimed_motion import retimed_motion, smooth_torques
+from mrts.timing.smooth_timing import smooth_timing
 
 ROOM = 0.01
 """Share of the least duration that a timing which keeps a reserve may add: near the fastest are many that need far less
@@ -119,62 +117,17 @@ def retime(
         first = divided if divided.pieces else first
     fastest = refined_timing(first, partial(fastest_timing, asked), options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
-        unrated = replace(asked, options=replace(options, rates=None)).factor
-        heaviest = int(np.argmax([load[0] for load in fastest.loads]))
-        return _smooth(SmoothQuestion(fastest, unrated, goal, KernelSolver(), [heaviest]), progress)
+        unrated = best_factor(cell, given, replace(options, rates=None))
+        found = smooth_timing(fastest, unrated, kept, goal, progress)
+        return _played(found, partial(motion_remarks, cell, given, given)) if found.pieces else found
     if first.duration is None or fastest.duration is None:
         return fastest
     told = interpolated(given, fastest.duration / first.duration - 1, "the timing {} longer")
-    remarks = partial(motion_remarks, cell, given, fastest.motion, told)
-    return _played(fastest, "fastest timing", remarks)
+    return _played(fastest, partial(motion_remarks, cell, given, fastest.motion, told))
 
 
-def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
-    bare = question.bare
-    nodes = smooth_nodes(bare.cell, question.constant.motion, bare.end_speeds)
-
-    def smooth(timed: RetimingResult) -> list[SmoothPiece]:
-        return [part for part in timed.pieces if isinstance(part, SmoothPiece)]
-
-    def again(motion: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
-        return smooth_timing(question, motion, smooth(before), progress)
-
-    coarse = smooth_timing(question, nodes, (), progress)
-    if coarse.status is RetimingStatus.RATES_TOO_SMALL:  # they may slow it down by far: by how much takes longer to ask
-        question = replace(question, constant=bare.factor)
-        coarse = smooth_timing(question, nodes, (), progress)
-    found = refined_timing(coarse, again, bare.options.between)
-    pieces = smooth(found)
-    gains = [part.steps.gain for part in pieces]
-    least = sum(float(np.sum(part.program.times(part.steps.best.x))) for part in pieces)
-    answer = SmoothAnswer(
-        longest=question.goal.longest,
-        steps=question.solver.steps,
-        gain=None if None in gains else max((gain for gain in gains if gain is not None), default=0.0),
-        room=found.duration / least - 1 if found.duration is not None and question.goal.room else 0.0,
-        fastest=bare.pieces,
-    )
-    found = replace(found, smooth=answer)
-    if not pieces:
-        return found
-    first, *rest = pieces
-    torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
-    wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
-    remarks = partial(motion_remarks, bare.cell, bare.given, bare.given)
-    return _played(
-        found, answer.what, remarks, torques=(torque, wrench), also=f". {answer.text(new_times(pieces)[-1])}"
-    )
-
-
-def _played(
-    timed: RetimingResult,
-    what: str,
-    remarks: Remarks,
-    *,
-    torques: tuple[Array, Array] | None = None,
-    also: str = "",
-) -> RetimingResult:
-    """A timing with its motion and the torques of the quadratic program (31) to (34), or with given ones.
+def _played(timed: RetimingResult, remarks: Remarks) -> RetimingResult:
+    """A timing with its motion and its torques: those of a smooth timing, or of the quadratic program (31) to (34).
 
     The motion's range of c², which only says what faster or slower would be, is found when it is read.
     """
@@ -182,6 +135,10 @@ def _played(
     given, own = timed.motion.object.time, motion.object.time
     if excess is not None and excess.time is not None:
         excess = replace(excess, time=float(np.interp(excess.time, given, own)))
+    what, found, torques = "fastest timing", "", None
+    if timed.smooth is not None:
+        what, found = timed.smooth.what, f". {timed.smooth.text(own[-1])}"
+        torques = smooth_torques(timed.pieces)
     untouched = ScalingResult(
         cell=timed.cell,
         motion=motion,
@@ -190,7 +147,7 @@ def _played(
         trajectory=None,
         fallbacks=0,
         options=replace(timed.options, load="nominal"),
-        origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{also}",
+        origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{found}",
         remarks=remarks,
         excess=excess,
     )

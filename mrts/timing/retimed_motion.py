@@ -77,6 +77,7 @@ class SmoothPiece(TimedPiece):
         third: q''' at the start and at the end of each of their segments, Shape (K - 1, 2, m).
         program: All limits of it, for all loads.
         steps: How the timing was found.
+        carried: Free wrenches of the timing for each load, Shape (n, f).
         plan: Free wrenches of the least torques that carry the cell's load within all limits and rates, Shape (n, f).
         torque: Those torques, Shape (n, m) [N m].
         wrench: Contact wrenches with them, Shape (n, n w) [N, N m].
@@ -86,6 +87,7 @@ class SmoothPiece(TimedPiece):
     third: Array
     program: SmoothProgram
     steps: StepsTaken
+    carried: tuple[Array, ...]
     plan: Array
     torque: Array
     wrench: Array
@@ -98,17 +100,14 @@ class SmoothPiece(TimedPiece):
             "sigma_rate": self.steps.profile.u.tolist(),
         }
 
-    @property
-    def inside(self) -> NDArray[np.int_]:
-        """Which samples of `fine` are not nodes, Shape (K - n,)."""
-        return np.flatnonzero(np.arange(self.fine.samples) % STRIDE)
-
-    def between(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
-        """The fine samples that are not nodes: segment, place in it, x and u there, each Shape (k,)."""
-        segment, step = self.inside // STRIDE, self.piece.step
-        after = self.fine.object.time[self.inside] - self.piece.path.object.time[segment]
+    def between(self) -> tuple[NDArray[np.int_], NDArray[np.int_], Array, Array, Array]:
+        """The fine samples that are not nodes: which, segment, place in it, x and u there, each Shape (k,)."""
+        inside, step = np.flatnonzero(np.arange(self.fine.samples) % STRIDE), self.piece.step
+        segment = inside // STRIDE
+        after = self.fine.object.time[inside] - self.piece.path.object.time[segment]
         place, start, change = after / step[segment], self.rates[segment, 0], np.diff(self.rates)[segment, 0]
-        return segment, place, self.x[segment] + 2 * after * (start + change * place / 2), start + change * place
+        x = self.x[segment] + 2 * after * (start + change * place / 2)
+        return inside, segment, place, x, start + change * place
 
     @property
     def binding(self) -> list[set[str]]:
@@ -143,6 +142,13 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     dq, ddq, twist, acceleration, *travel = map(_joined, zip(*played, strict=True))
     carried = motion.object.played(new_times(pieces), twist, acceleration)
     return unchecked_coordinated_motion(carried, motion.q, dq, ddq, np.stack(travel))
+
+
+def smooth_torques(pieces: Sequence[TimedPiece]) -> tuple[Array, Array]:
+    """Torques and wrenches of a smooth timing, Shape (N, m) and (N, n w); at a stop they are alike on both sides."""
+    planned = [(part.torque, part.wrench) for part in pieces if isinstance(part, SmoothPiece)]
+    torques, wrenches = map(_joined, zip(*planned, strict=True))
+    return torques, wrenches
 
 
 def _joined(parts: Sequence[Array]) -> Array:

@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import partial
 
 import numpy as np
 
@@ -23,19 +23,10 @@ from mrts.program.successive_steps import NoProfileError, StepsTaken, successive
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
-from mrts.timing.path_pieces import (
-    PLACES,
-    STRIDE,
-    PathPiece,
-    closed_piece,
-    joined_at_stops,
-    path_pieces,
-    smooth_path,
-    stops,
-    with_samples,
-)
-from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import SmoothPiece
+from mrts.timing.between_samples import refined_timing
+from mrts.timing.path_pieces import STRIDE, PathPiece, smooth_nodes, smooth_pieces, stops
+from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece
 
 NARROWING = 1e-5
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
@@ -50,64 +41,39 @@ class SmoothQuestion:
 
     Attributes:
         bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
-        constant: A constant factor, whose duration is of the size of the answer's.
+        rates: Limits of rates.
         goal: What is the best.
+        usual: A duration of the size of the answer, whatever the given one is: what σ is measured in [s].
+        weights: W of the effort, Shape (m, m).
+        sizes: What 100 % of each limit is, where torques are chosen to keep most of every limit free; else None.
         solver: Solves the programs.
         corners: Loads whose limits the programs of a duration have so far, by their place among those of `bare`: the
             heaviest, and what was passed.
+        progress: Told how many of how many steps are done.
     """
 
     bare: RetimingResult
-    constant: ScalingResult
+    rates: RateLimits
     goal: Goal
+    usual: float
+    weights: Array
+    sizes: Array | None
     solver: KernelSolver
     corners: list[int]
+    progress: Progress
 
-    @property
-    def rates(self) -> RateLimits:
-        """Limits of rates."""
-        rates = self.bare.options.rates
-        assert rates is not None  # noqa: S101 (else no smooth timing is asked for)
-        return rates
-
-    @cached_property
-    def usual(self) -> float:
-        """A duration of the size of the answer, whatever the given one is: what σ is measured in [s]."""
-        best, given = self.constant, float(self.bare.motion.object.time[-1])
-        if best.duration is None or best.status is RangeStatus.UNBOUNDED:
-            return given if self.bare.duration is None else self.bare.duration
-        return best.duration
-
-    @cached_property
-    def sizes(self) -> Array | None:
-        """What 100 % of each limit is, where torques are chosen to keep most of every limit free; else None."""
-        if self.bare.options.distribute != "reserve":
-            return None
-        return given_sizes(self.bare.cell, self.bare.motion)
-
-    @cached_property
-    def weights(self) -> Array:
-        """W of the effort, Shape (m, m)."""
-        return torque_weights(self.bare.options.weights, self.bare.cell)
-
-    def program(self, part: "_Part", chosen: Sequence[int], weights: Array | None) -> SmoothProgram:
+    def program(self, part: "_Part", chosen: list[int], weights: Array | None) -> SmoothProgram:
         """Limits of a piece for some of its loads, with the wrenches that are given at its ends."""
-        piece, speeds, problems = part.piece, self.bare.end_speeds, [part.problems[place] for place in chosen]
-        start, end = (
-            None if stopped else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
-            for stopped, speed, place in zip(stops(piece, speeds), speeds, (0, -1), strict=True)
-        )
-        first, last = (None if held is None else held[[*chosen]].ravel() for held in part.held)
-        third = np.stack([part.third[::STRIDE, 0], part.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
+        start, end = part.held
         return path_program(
             self.bare.cell,
-            piece.path,
-            problems,
+            part.piece.path,
+            [part.problems[place] for place in chosen],
             self.rates,
             weights,
-            (start, end),
-            (first, last),
-            third,
+            part.ends,
+            (None if start is None else start[chosen].ravel(), None if end is None else end[chosen].ravel()),
+            np.stack([part.third[::STRIDE, 0], part.third[STRIDE - 1 :: STRIDE, 1]], axis=1),
             self.sizes,
         )
 
@@ -121,79 +87,120 @@ class _Part:
         fine: Of `SmoothPiece`.
         third: Likewise.
         problems: Rows of [F, u, x] at its nodes, one a load; the last is that of the cell's own load.
-        held: F of each problem at its start and its end, Shape (p, f), of the least torques at a stop on the way; None
-            where it is free.
-        before: The same piece in the round before.
+        ends: σ̇² at its start and its end; None where it is free, as it is at rest by the given parameter.
+        held: F of each problem there, Shape (p, f), of the least torques at a stop on the way; None where it is free.
+        likely: σ̇² to start from, Shape (n,).
     """
 
     piece: PathPiece
     fine: CoordinatedMotion
     third: Array
     problems: list[SampleProblem]
+    ends: tuple[float | None, float | None]
     held: tuple[Array | None, Array | None]
-    before: SmoothPiece | None
+    likely: Array
 
 
 def smooth_timing(
-    question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece], progress: Progress
+    bare: RetimingResult, unrated: ScalingResult, rates: RateLimits, goal: Goal, progress: Progress
 ) -> RetimingResult:
-    """The best timing with limits kept at the nodes, the samples of a motion.
+    """The best timing within limits of rates, which hold between its nodes too.
+
+    Args:
+        bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
+        unrated: The best constant factor without them.
+        rates: Limits of rates.
+        goal: What is the best.
+        progress: Told how many of how many steps are done.
 
     Raises:
         InputError: If the least energy is asked for of a motion that stops on its way.
         SolverError: If no solver answers.
     """
+    question = SmoothQuestion(
+        bare,
+        rates,
+        goal,
+        _usual(bare, unrated),
+        torque_weights(bare.options.weights, bare.cell),
+        given_sizes(bare.cell, bare.motion) if bare.options.distribute == "reserve" else None,
+        KernelSolver(),
+        [int(np.argmax([load[0] for load in bare.loads]))],
+        progress,
+    )
+    nodes = smooth_nodes(bare.cell, unrated.motion, bare.end_speeds)
+    coarse = timing_at_nodes(question, nodes)
+    if coarse.status is RetimingStatus.RATES_TOO_SMALL:  # they may slow it down by far: by how much takes longer to ask
+        question = replace(question, usual=_usual(bare, bare.factor))
+        coarse = timing_at_nodes(question, nodes)
+    found = refined_timing(coarse, partial(timing_at_nodes, question), bare.options.between)
+    gains, least = list[float | None](), 0.0
+    for part in found.pieces:
+        assert isinstance(part, SmoothPiece)  # noqa: S101 (it is one of `timing_at_nodes`)
+        gains.append(part.steps.gain)
+        least += float(np.sum(part.program.times(part.steps.best.x)))
+    answer = SmoothAnswer(
+        longest=goal.longest,
+        steps=question.solver.steps,
+        gain=None if None in gains else max(filter(None, gains), default=0.0),
+        room=found.duration / least - 1 if found.duration is not None and goal.room else 0.0,
+        fastest=bare.pieces,
+    )
+    return replace(found, smooth=answer)
+
+
+def _usual(bare: RetimingResult, best: ScalingResult) -> float:
+    if best.duration is None or best.status is RangeStatus.UNBOUNDED:
+        return float(bare.motion.object.time[-1]) if bare.duration is None else bare.duration
+    return best.duration
+
+
+def timing_at_nodes(
+    question: SmoothQuestion, motion: CoordinatedMotion, before: RetimingResult | None = None
+) -> RetimingResult:
+    """The best timing with limits kept at the nodes, the samples of a motion, told the one with fewer of them."""
     bare = question.bare
-    status = RetimingStatus.LOCALLY_OPTIMAL
-    untimed = RetimingResult(bare.cell, motion, bare.given, bare.options, status, loads=bare.loads)
-    parts = _parts(question, motion, before)
+    outcome = partial(RetimingResult, bare.cell, motion, bare.given, bare.options, loads=bare.loads)
+    parts = _parts(question, motion, before.pieces if before else ())
     if question.goal.longest is not None and len(parts) > 1:
         raise InputError("least_energy_in", "goes with a motion that does not stop on its way: ask for each part.")
     try:
-        timed = [(part, *_timed(question, part, progress)) for part in parts]
+        timed = [_timed(question, part) for part in parts]
     except NoProfileError as none:
-        status, why = _why(question, none)
-        return replace(untimed, status=status, explanation=why)
-    if sum(float(np.sum(program.times(found.profile.x))) for _, program, found in timed) < UNBOUNDED * question.usual:
+        return outcome(*_why(question, none))
+    if sum(float(np.sum(program.times(found.profile.x))) for program, found, _ in timed) < UNBOUNDED * question.usual:
         why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
-        return replace(untimed, status=RetimingStatus.UNBOUNDED, explanation=why)
-    return replace(untimed, pieces=tuple(_planned(question, *one) for one in timed))
+        return outcome(RetimingStatus.UNBOUNDED, why)
+    planned = tuple(_planned(question, part, *one) for part, one in zip(parts, timed, strict=True))
+    return outcome(RetimingStatus.LOCALLY_OPTIMAL, pieces=planned)
 
 
-def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part]:
-    cell, time, loads = question.bare.cell, motion.object.time, question.bare.loads
-    fine = with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
-    pieces = [closed_piece(cell, piece) for piece in path_pieces(fine)]
-    usual = question.usual / float(time[-1])
-    by_sigma, *other = zip(*(smooth_path(motion, one, question.bare.end_speeds, usual) for one in pieces), strict=True)
-    paths = joined_at_stops(by_sigma)
+def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[TimedPiece]) -> list[_Part]:
+    bare, speeds, fastest = question.bare, question.bare.end_speeds, question.bare.duration
+    cell, loads = bare.cell, bare.loads
+    carried = loads if len(loads) == 1 else (*loads, None)
+    paths = smooth_pieces(cell, motion, speeds, question.usual)
     parts: list[_Part] = []
     start = None
-    for number, (piece, fine, third) in enumerate(zip(paths, *other, strict=True)):
-        rows = motion_rows(cell, piece.path, question.bare.options.sharing, circles=True)
-        carried = loads if len(loads) == 1 else (*loads, None)
+    for number, (piece, fine, third) in enumerate(paths):
+        rows = motion_rows(cell, piece.path, bare.options.sharing, circles=True)
         problems = [build_sample_problem(rows, load=load, varying=True) for load in carried]
         end = None if number == len(paths) - 1 else _stopped_wrenches(problems, question.weights)
-        parts.append(_Part(piece, fine, third, problems, (start, end), before[number] if before else None))
+        likely = np.full(piece.path.samples, 1.0 if fastest is None else (question.usual / fastest) ** 2)
+        if before:
+            likely = np.interp(piece.path.object.time, before[number].piece.path.object.time, before[number].x)
+        ends = list[float | None]()
+        for place, speed, at_rest in zip((0, -1), speeds, stops(piece, speeds), strict=True):
+            if not at_rest:
+                likely[place] = (speed * piece.speed[place] / piece.arc_speed[place]) ** 2
+            ends.append(None if at_rest else float(likely[place]))
+        parts.append(_Part(piece, fine, third, problems, (ends[0], ends[1]), (start, end), likely))
         start = end
     return parts
 
 
-def _likely(question: SmoothQuestion, part: _Part, ends: tuple[float | None, float | None]) -> Array:
-    time = part.piece.path.object.time
-    if part.before is None:
-        fastest = question.bare.duration
-        x = np.full(len(time), 1.0 if fastest is None else (question.usual / fastest) ** 2)
-    else:
-        x = np.interp(time, part.before.piece.path.object.time, part.before.x)
-    for place, known in zip((0, -1), ends, strict=True):
-        if known is not None:
-            x[place] = known
-    return x
-
-
-def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[SmoothProgram, StepsTaken]:
-    """The timing of a piece, and the limits that it was found with.
+def _timed(question: SmoothQuestion, part: _Part) -> tuple[SmoothProgram, StepsTaken, tuple[Array, ...]]:
+    """The timing of a piece, the limits that it was found with, and its free wrenches for each load.
 
     Few corners of a box bind. So programs have the limits of one load, and while a best profile, or one with room,
     admits no wrenches within those of others, of the one besides that it passes most. An effort is one of all loads.
@@ -202,7 +209,7 @@ def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[S
     corners = question.corners if question.goal.effort == 0 else [*loads]
     carried: dict[int, Array] = {}
 
-    def limits(chosen: Sequence[int]) -> SmoothProgram:
+    def limits(chosen: list[int]) -> SmoothProgram:
         return question.program(part, chosen, question.weights if question.goal.effort > 0 else None)
 
     def accepted(profile: SmoothProfile) -> bool:
@@ -218,16 +225,14 @@ def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[S
             corners.append(max(passed, key=lambda place: passed[place]))
         return not passed
 
-    program = limits(corners).narrowed(NARROWING)
-    likely = _likely(question, part, program.ends)
+    program, likely = limits(corners).narrowed(NARROWING), part.likely
     while True:
         found = successive_steps(
-            program, likely, question.goal, question.solver, lambda step: progress(step, step + 1), accepted
+            program, likely, question.goal, question.solver, lambda step: question.progress(step, step + 1), accepted
         )
         if isinstance(found, StepsTaken):
             carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
-            free = np.concatenate([carried[place] for place in loads], axis=1)
-            return program, replace(found, profile=replace(found.profile, free=free))
+            return program, found, tuple(carried[place] for place in loads)
         program, likely = limits(corners).narrowed(NARROWING), found.x
 
 
@@ -258,9 +263,11 @@ def _why(question: SmoothQuestion, found: NoProfileError) -> tuple[RetimingStatu
     )
 
 
-def _planned(question: SmoothQuestion, part: _Part, program: SmoothProgram, steps: StepsTaken) -> SmoothPiece:
+def _planned(
+    question: SmoothQuestion, part: _Part, program: SmoothProgram, steps: StepsTaken, carried: tuple[Array, ...]
+) -> SmoothPiece:
     x, u, problem = steps.profile.x, steps.profile.u, part.problems[-1]
-    known = steps.shares if len(question.bare.loads) == 1 else None  # of several loads they are no single one's
+    known = steps.shares if len(carried) == 1 else None  # of several loads they are no single one's
     limits = question.program(part, [len(part.problems) - 1], question.weights)
     plan = reserved_torques(limits, x, u, question.solver, known)
     if plan is None:
@@ -274,6 +281,7 @@ def _planned(question: SmoothQuestion, part: _Part, program: SmoothProgram, step
         rates=np.column_stack([u[:-1], u[1:]]),
         program=program,
         steps=steps,
+        carried=carried,
         plan=plan,
         torque=problem.torque(unknowns),
         wrench=problem.wrench(unknowns),

@@ -20,7 +20,7 @@ def transcribed(cell, motion, guess=None):
     Args:
         guess: Speeds squared to start from.
     """
-    (piece,) = path_pieces(motion)
+    (piece,) = path_pieces(cell, motion)
     path, step, n = piece.path, piece.step, motion.samples
     terms = cell.functions("terms", n, path.inputs(cell.load))
     wrenches, joints = terms["B"].shape[2], path.q.shape[1]

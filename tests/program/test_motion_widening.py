@@ -61,9 +61,9 @@ def test_the_widening_is_the_one_of_highs(name, how):
     assert how in {"motors", "heavier"} or np.min(theirs) < AGREES
 
 
-def timed(motion):
+def timed(cell, motion):
     """A piece of the path with a speed and a rate that change along it."""
-    (piece,) = path_pieces(motion)
+    (piece,) = path_pieces(cell, motion)
     n = len(piece.speed)
     x = 1 + np.sin(np.linspace(0, 3, n))
     return TimedPiece(piece=piece, x=x, rates=np.column_stack([np.linspace(-1, 1, n - 1), np.linspace(0, 2, n - 1)]))
@@ -84,7 +84,7 @@ def places_in_numpy(cell, part):
 def test_places_between_samples_are_those_of_numpy(name):
     """Joints, and the object that the first arm carries."""
     cell, motion = followed(name, 41)
-    part = timed(motion)
+    part = timed(cell, motion)
     found = between_path_samples(cell, part, np.arange(len(part.rates)))
     theirs = places_in_numpy(cell, part)
     for ours, other in (

@@ -72,7 +72,7 @@ def test_one_arm_equals_toppra_as_a_user_calls_it(seed, fast, tmp_path):
 def test_two_arms_equal_a_direct_transcription(name, planar_cell, dual_ur5):
     cell = {"planar_dual_arm": planar_cell, "dual_ur5": dual_ur5}[name].without_velocity_limits()
     motion = mrts.follow_object(cell, sampled(shipped_motion(name, samples=41)))
-    (piece,) = path_pieces(motion)
+    (piece,) = path_pieces(cell, motion)
     found, x = transcribed(cell, motion)()
     assert found
     assert mrts.retime(cell, motion).duration == pytest.approx(duration(piece.step, x), rel=TRANSCRIPTION_TOLERANCE)
@@ -143,7 +143,7 @@ def test_regions_reach_as_far_as_highs_finds(seed, tmp_path):
     """In every direction, for arms some of whose wrench components have no limits."""
     case = random_planar_cell(np.random.default_rng([99, seed]), tmp_path, 3, samples=11)
     cell = case.cell.without_velocity_limits()
-    (piece,) = path_pieces(mrts.follow_object(cell, case.motion))
+    (piece,) = path_pieces(cell, mrts.follow_object(cell, case.motion))
     problem = build_sample_problem(motion_rows(cell, piece.path), varying=True)
     regions = speed_regions(problem, float(np.sum(piece.step)))
     unit, compared = 1 / np.max(np.abs(problem.A), axis=1)[:, -2:], 0
@@ -202,7 +202,7 @@ def test_a_short_path_takes_as_long_as_its_root_says(name, profile, planar_cell,
 def test_arms_that_are_alike_but_for_the_last_digits(difference, planar_cell):
     """Limits that nearly meet in one corner, as where a pose is typed with eight digits."""
     motion = mrts.follow_object(planar_cell, scaled_path("planar_dual_arm", 0.5, 301, "sinusoid"))
-    (piece,) = path_pieces(motion)
+    (piece,) = path_pieces(planar_cell, motion)
     problem, length = (
         build_sample_problem(motion_rows(planar_cell, piece.path), varying=True),
         float(np.sum(piece.step)),

@@ -166,8 +166,8 @@ def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
 
 def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
     (part,) = smooth.pieces
-    segment, share, x, u = part.between()
-    problem = build_sample_problem(motion_rows(planar_cell, part.fine.at(part.inside)), varying=True)
+    inside, segment, share, x, u = part.between()
+    problem = build_sample_problem(motion_rows(planar_cell, part.fine.at(inside)), varying=True)
     plan = part.plan[segment] * (1 - share[:, None]) + part.plan[segment + 1] * share[:, None]
     values = np.einsum("nrk,nk->nr", problem.A, np.column_stack([plan, u, x]))
     excess = np.max(np.maximum(values - problem.upper, problem.lower - values))
@@ -239,12 +239,12 @@ def test_corners_of_a_box_that_do_not_bind_are_kept_without_their_limits(monkeyp
     monkeypatch.setattr(smooth_timing, "successive_steps", counted)
     some = mrts.retime(cell, lift, rates=RATES, sharing=sharing)
     most = max(asked)
-    first = smooth_timing.smooth_timing
+    first = smooth_timing.timing_at_nodes
 
     def with_all(question, *rest):
         return first(replace(question, corners=[*range(len(question.bare.loads))]), *rest)
 
-    monkeypatch.setattr("mrts.timing.retime.smooth_timing", with_all)
+    monkeypatch.setattr(smooth_timing, "timing_at_nodes", with_all)
     asked.clear()
     every = mrts.retime(cell, lift, rates=RATES, sharing=sharing)
     assert len(some.loads) == len(every.loads) == 4

@@ -37,7 +37,7 @@ def on_an_arc(folder, **motors):
 
 
 def rows(cell, motion):
-    (piece,) = path_pieces(mrts.follow_object(cell, motion))
+    (piece,) = path_pieces(cell, mrts.follow_object(cell, motion))
     return build_sample_problem(motion_rows(cell, piece.path), varying=True), piece
 
 

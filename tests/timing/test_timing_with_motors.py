@@ -33,7 +33,7 @@ def drawn_case(seed, folder, samples=21):
     case = draw(rng, folder, arms, samples=samples)
     cell = drawn_motors(rng, case.cell.without_velocity_limits())
     motion = mrts.follow_object(cell, case.motion)
-    (piece,) = path_pieces(motion)
+    (piece,) = path_pieces(cell, motion)
     return build_sample_problem(motion_rows(cell, piece.path), varying=True), piece, cell, motion
 
 
