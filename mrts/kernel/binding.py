@@ -19,10 +19,19 @@ NUMBERS |= {"short": ctypes.c_short, "mrts_real": ctypes.c_double, "cell_real": 
 FUNCTION = re.compile(r"\nMRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{")
 
 
+HEAD = object.__basicsize__
+"""Bytes of an array object before the pointer to its numbers, which is the first thing in it (numpy/ndarraytypes.h)."""
+
+
+def address(array: NDArray[Any]) -> ctypes.c_void_p:
+    """Where the numbers of an array lie, while it is there; `array.ctypes.data` took a tenth of a short call."""
+    return ctypes.c_void_p.from_address(id(array) + HEAD)
+
+
 def _address(value: object) -> object:
     """A pointer as ctypes passes it on: to the first entry of an array, to a structure, to nothing, or as given."""
     if isinstance(value, np.ndarray):
-        return ctypes.c_void_p(value.ctypes.data)
+        return address(value)
     return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
 
 
@@ -75,7 +84,7 @@ def structure(file: str, name: str, **sizes: int) -> Any:
 
 def filled(kind: Any, **values: Any) -> Any:
     """A structure of numbers and of addresses of arrays, contiguous and of the C's types, which it keeps alive."""
-    made = kind(**{name: of.ctypes.data if isinstance(of, np.ndarray) else of for name, of in values.items()})
+    made = kind(**{name: address(of) if isinstance(of, np.ndarray) else of for name, of in values.items()})
     made.kept = values
     return made
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.binding import INFINITY, bind, filled, keep_freed_memory, structure, work_arrays
+from mrts.kernel.binding import INFINITY, address, bind, filled, keep_freed_memory, structure, work_arrays
 from mrts.kernel.c_text import CELL_FILES, SELDOM, TRACKING_FILES
 from mrts.kernel.programs import Programs, offer_programs
 
@@ -166,4 +166,4 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
 
 def pointers(arrays: list[Array]) -> Any:
     """An array of pointers."""
-    return (ctypes.c_void_p * len(arrays))(*[array.ctypes.data for array in arrays])
+    return (ctypes.c_void_p * len(arrays))(*map(address, arrays))

@@ -12,7 +12,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.binding import structure
+from mrts.kernel.binding import address, structure
 from mrts.kernel.cell_library import CellLibrary
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motion_rows import travel_directions
@@ -213,7 +213,7 @@ def path_places(
     count, of = len(places) * len(segments), np.ascontiguousarray(segments, dtype=np.int64)
     found = [np.empty((count, *shape)) for shape in [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]]
     components = np.array(cell.wrench_rows, dtype=np.int32)
-    joint_path = JOINT_PATH(*(array.ctypes.data for array in given), len(places))
+    joint_path = JOINT_PATH(*map(address, given), len(places))
     library.opened.mrts_path_places(count, joint_path, *asked, of, components, *found)
     found[5] = found[5].transpose(0, 2, 1)  # by columns, as generated functions want them
     return tuple(found)

@@ -10,6 +10,7 @@ from random_programs import cell_programs, hard_programs
 from reference import highs_minimum
 
 import mrts
+from mrts.kernel.binding import address
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, default_programs
 from mrts.program.solvers import ConvexPrograms, optimality_error, solve_programs
 
@@ -179,6 +180,13 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
 
 
 @pytest.mark.quick
+def test_numbers_lie_where_numpy_says():
+    whole = np.arange(6.0)
+    whole.setflags(write=False)
+    for array in (whole, whole[2:], np.zeros(0), np.zeros((3, 2), dtype=np.int32)):
+        assert address(array).value == array.ctypes.data
+
+
 def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
     for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
         with pytest.raises(ValueError, match="q has Shape"):
