@@ -1,29 +1,30 @@
 # SPDX-License-Identifier: MIT
-"""Armature and friction of an arm's motors from a recording of its free motion."""
+"""Armature and friction of an arm's motors from a recording of its free motion: numbers with their confidence."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from textwrap import indent
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, apply
-from mrts.base.errors import InputError, check_type, is_number
+from mrts.base.arrays import Array, apply, freeze
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError, as_path, check_type, is_number, printable
 from mrts.base.remark import Remark
+from mrts.base.version import __version__
 from mrts.base.words import first_names
+from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.following.coordinate import MOST_NAMED, columns_by_joint, other_columns
-from mrts.identification.identified_motors import UNITS, ArmMotors, MotorIdentification
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
 
 CHUNK = 4096
 """Samples whose mass matrices are held at once."""
-
-PARAMETERS = ("armature", "viscous", "coulomb")
-"""In the order of the columns of the regression; an offset of the effort follows, which no motor has."""
 
 CONFIDENCE = 0.95
 """Of the intervals."""
@@ -47,6 +48,129 @@ EXPLAINED = 0.5
 
 NOISY = 0.01
 """Share of a joint's squared accelerations that may be noise: its inertia is too small by as much."""
+
+
+DIGITS = 5
+"""Significant digits in the YAML: more than any recording tells."""
+
+UNITS = {
+    "armature": ("kg m²", "kg"),
+    "coulomb": ("N m", "N"),
+    "viscous": ("N m s/rad", "N s/m"),
+}
+"""Of a parameter, for a revolute and for a prismatic joint, in the order of the columns of the regression; an offset of
+the effort follows, which no motor has."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmMotors:
+    """The motors of one arm, joint side of their gears, and what they leave unexplained.
+
+    The first four are by parameter: "armature" (rotor inertia by the square of the gear ratio [kg m² or kg]), "coulomb"
+    (dry friction [N m or N]) and "viscous" (friction by speed [N m s/rad or N s/m]).
+
+    Attributes:
+        robot: The arm.
+        value: Shape (n,), 0 where it is not identified.
+        half_width: Half the interval of 95 % confidence, Shape (n,), infinity where it is not identified.
+        reasons: Why the motion does not show it, "" where it does, Shape (n,).
+        bounded: Whether it is 0 because it must not be negative, Shape (n,).
+        offset: Constant part of the effort, which no motor has: a sensor's zero, a load that the model lacks,
+            Shape (n,) [N m or N].
+        residual_rms: Of what was not explained, means of blocks, Shape (n,) [N m or N].
+        explained: Share of the effort's variance that model and motors explain, Shape (n,).
+        cutoff: Of the filter [Hz].
+        time: Of the blocks, Shape (B,) [s].
+        used: Which blocks count, Shape (B, n).
+        velocity: Shape (B, n) [rad/s or m/s].
+        acceleration: Shape (B, n) [rad/s² or m/s²].
+        left_over: Effort without the torque of the rigid bodies, Shape (B, n) [N m or N].
+        fitted: What the motors say of that, Shape (B, n) [N m or N].
+    """
+
+    robot: Robot
+    value: dict[str, Array]
+    half_width: dict[str, Array]
+    reasons: dict[str, NDArray[np.str_]]
+    bounded: dict[str, NDArray[np.bool_]]
+    offset: Array
+    residual_rms: Array
+    explained: Array
+    cutoff: float
+    time: Array
+    used: NDArray[np.bool_]
+    velocity: Array
+    acceleration: Array
+    left_over: Array
+    fitted: Array
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotorIdentification:
+    """What `identify` found.
+
+    Attributes:
+        cell: Name of the cell.
+        recording: The file.
+        arms: The arms that were recorded.
+        remarks: What to know of it.
+    """
+
+    cell: str
+    recording: Path
+    arms: tuple[ArmMotors, ...]
+    remarks: tuple[Remark, ...]
+
+    def __repr__(self) -> str:
+        return f"<MotorIdentification of {self.cell}: {', '.join(arm.robot.name for arm in self.arms)}>"
+
+    def arm(self, robot: str) -> ArmMotors:
+        """What was found of one arm.
+
+        Raises:
+            InputError: If it was not recorded.
+        """
+        for arm in self.arms:
+            if arm.robot.name == robot:
+                return arm
+        known = ", ".join(arm.robot.name for arm in self.arms)
+        raise InputError("robot", f"is not in the recording; there are {known}.", value=robot)
+
+    @property
+    def empty(self) -> bool:
+        """Whether no parameter is identified of all joints of an arm, so that nothing can be written."""
+        return not any(np.all(why == "") for arm in self.arms for why in arm.reasons.values())
+
+    def sentence(self) -> str:
+        """The outcome in one line."""
+        reasons = np.concatenate([why for arm in self.arms for why in arm.reasons.values()])
+        arms = ", ".join(arm.robot.name for arm in self.arms)
+        return f"{np.count_nonzero(reasons == '')} of {reasons.size} parameters of the motors of {arms} identified"
+
+    def to_yaml(self) -> str:
+        """The `motors` block of each recorded robot, as it stands in a cell file, with what is known of its numbers.
+
+        A parameter that the motion does not show of every joint is left out, and a comment says why.
+        """
+        lines = [
+            f"# Found by mrts {__version__} for cell {printable(self.cell)} from {printable(self.recording.name)}.",
+            "# Put each `motors` block under its robot in the cell file. ± is half an interval of 95 % confidence.",
+            "robots:",
+        ]
+        for arm in self.arms:
+            lines += [f"  - name: {arm.robot.name}", *_block(arm)]
+        return "\n".join(lines) + "\n"
+
+    def write_yaml(self, path: Path | str) -> None:
+        """Write `to_yaml` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        write_text_atomically(as_path("path", path), self.to_yaml())
 
 
 def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: float | None = None) -> MotorIdentification:
@@ -149,7 +273,7 @@ def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors
     fastest = np.where(np.isfinite(robot.velocity_limit), robot.velocity_limit, recorded)
     parts = [
         fit_joint(
-            np.column_stack([acceleration[:, place], velocity[:, place], sign[:, place]]),
+            np.column_stack([acceleration[:, place], sign[:, place], velocity[:, place]]),
             left_over[:, place],
             used[:, place],
             float(fastest[place]),
@@ -161,10 +285,7 @@ def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors
     fitted = np.column_stack(columns)
     return ArmMotors(
         robot=robot,
-        **{
-            key: {name: np.array([fit[key][PARAMETERS.index(name)] for fit in fits]) for name in UNITS}
-            for key in fits[0]
-        },
+        **{key: dict(zip(UNITS, np.array([fit[key] for fit in fits]).T, strict=True)) for key in fits[0]},
         offset=np.array(offset),
         residual_rms=np.array(residual_rms),
         explained=_explained(effort, left_over - fitted, used),
@@ -242,20 +363,20 @@ def _remarks(arm: ArmMotors, speed_noise: Array) -> Iterator[Remark]:
 def fit_joint(
     columns: Array, left_over: Array, used: NDArray[np.bool_], fastest: float, torque_limit: float
 ) -> tuple[dict[str, NDArray[Any]], float, Array, float]:
-    """Least squares of effort - τ_rb = I_a q̈ + b q̇ + τ_c sign(q̇) + offset, with I_a, b, τ_c >= 0.
+    """Least squares of effort - τ_rb = I_a q̈ + τ_c sign(q̇) + b q̇ + offset, with I_a, τ_c, b >= 0.
 
     Variances come from the residuals: the larger of the two that ordinary least squares and Newey and West (1987)
     give, who let residuals depend on the motion and on each other along time (`used` says where blocks are missing).
 
     Args:
-        columns: q̈, q̇, sign(q̇) of B blocks along time, Shape (B, 3).
+        columns: q̈, sign(q̇), q̇ of B blocks along time, Shape (B, 3).
         left_over: effort - τ_rb, Shape (B,) [N m or N].
         used: Which blocks count, Shape (B,).
         fastest: Speed that the joint may have [rad/s or m/s].
         torque_limit: That it has [N m or N].
 
     Returns:
-        What `ArmMotors` has of the `PARAMETERS` of this joint, each Shape (3,); the constant part of the effort
+        What `ArmMotors` has of the parameters of this joint, each Shape (3,); the constant part of the effort
         [N m or N]; what they say of the blocks, Shape (B,) [N m or N]; root mean square of what is left [N m or N].
     """
     from scipy.optimize import lsq_linear  # noqa: PLC0415 (slow to import)
@@ -277,7 +398,7 @@ def fit_joint(
         error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
         theta, error = theta / scale, error / scale
         half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
-        doubt = half * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
+        doubt = half * np.array([fastest / REFERENCE_RAMP, 1.0, fastest])
         reasons = _reasons(columns[used], independent, doubt, torque_limit)
     known, fitted = reasons == "", full @ theta
     found = {
@@ -321,15 +442,36 @@ def _standard_errors(
 
 
 def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> NDArray[np.str_]:
-    one_way = np.min(columns[:, 2]) * np.max(columns[:, 2]) > 0
+    one_way = np.min(columns[:, 1]) * np.max(columns[:, 1]) > 0
     reasons = []
     for place in range(3):
         if not independent[place]:
-            told = ("it hardly accelerates", "it moves at one speed", "it moves at one speed")[place]
-            reasons.append("it moves one way only" if one_way and place else told)
+            told = "it moves one way only" if one_way else "it moves at one speed"
+            reasons.append(told if place else "it hardly accelerates")
         elif doubt[place] > UNCERTAIN * torque_limit:
             share = 100 * doubt[place] / torque_limit
             reasons.append(f"the motion and its noise leave {share:.3g} % of the torque limit in doubt")
         else:
             reasons.append("")
     return np.array(reasons)
+
+
+def _block(arm: ArmMotors) -> list[str]:
+    rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, arm.robot.torque_units, strict=True))
+    told = [f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz; residual rms {rms}"]
+    motors: dict[str, Any] = {}
+    for name, (turning, sliding) in UNITS.items():
+        value, half_width, reasons = arm.value[name], arm.half_width[name], arm.reasons[name]
+        if all(reasons == ""):
+            block = motors if name == "armature" else motors.setdefault("friction", {})
+            block[name] = [float(f"{number:.{DIGITS}g}") for number in value]
+            zero = ", ".join(np.array(arm.robot.joints)[arm.bounded[name]])
+            widths = ", ".join(f"{width:.2g}" for width in half_width)
+            units = " or ".join(dict.fromkeys(turning if of == "rad" else sliding for of in arm.robot.position_units))
+            told.append(f"{name} in {units} ± {widths}{f'; held at 0: {zero}' if zero else ''}")
+        else:
+            told.append(f"{name} is not known of every joint, so it is left out:")
+            joints = zip(arm.robot.joints, reasons, value, half_width, strict=True)
+            told += [f"  {joint}: {why or f'{number:.4g} ± {width:.2g}'}" for joint, why, number, width in joints]
+    block_text = yaml_text({"motors": motors}) if motors else ""
+    return [f"    # {printable(line)}" for line in told] + indent(block_text, "    ").splitlines()

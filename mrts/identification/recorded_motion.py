@@ -89,15 +89,14 @@ class RecordedMotion:
     speed_noise: Array
     known: NDArray[np.bool_]
 
-    @property
-    def block(self) -> int:
-        """Samples of a block: a period of the cutoff, beyond which the filter does not tie samples to each other."""
-        return _block(self.rate, self.cutoff)
-
     def blocks(self, values: Array) -> Array:
-        """Means of the blocks, Shape (B, …), of values of the samples, Shape (N, …)."""
-        whole = len(values) // self.block
-        return np.asarray(values[: whole * self.block].reshape(whole, self.block, *values.shape[1:]).mean(axis=1))
+        """Means of blocks, Shape (B, …), of values of the samples, Shape (N, …).
+
+        A block is a period of the cutoff, beyond which the filter does not tie samples to each other.
+        """
+        block = round(self.rate / self.cutoff)
+        whole = len(values) // block
+        return np.asarray(values[: whole * block].reshape(whole, block, *values.shape[1:]).mean(axis=1))
 
 
 def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutoff: float | None) -> RecordedMotion:
@@ -113,14 +112,19 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
         InputError: If the recording is too short, or the cutoff too high for it.
     """
     from scipy.interpolate import make_interp_spline  # noqa: PLC0415 (slow to import)
+    from scipy.ndimage import minimum_filter1d  # noqa: PLC0415 (likewise)
     from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 (likewise)
 
     start, end = max(joint.time[0] for joint in joints), min(joint.time[-1] for joint in joints)
     step = max(_step(joint.time) for joint in joints)
     rate = 1 / step
-    cutoff = _cutoff(rate, cutoff)
+    if cutoff is None:
+        cutoff = min(DEFAULT_CUTOFF, rate / SLOW_SAMPLING)
+    elif cutoff > rate / FEWEST_SAMPLES:
+        rule = f"must be at most {rate / FEWEST_SAMPLES:.4g} Hz: the recording has {rate:.4g} samples a second."
+        raise InputError("cutoff", rule, value=cutoff)
     count = int(np.floor((end - start) / step * (1 + UNEVEN))) + 1
-    if count < (FEWEST_BLOCKS + 2 * ENDS) * _block(rate, cutoff):
+    if count < (FEWEST_BLOCKS + 2 * ENDS) * round(rate / cutoff):
         least = (FEWEST_BLOCKS + 2 * ENDS) / cutoff
         raise InputError(
             path,
@@ -141,8 +145,10 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
     speed_noise = 2 * np.pi * cutoff * np.sqrt(2 * cutoff / (3 * rate)) * np.std(position - q, axis=0)
     fastest = np.max(np.abs(dq), axis=0)
     sure = np.abs(dq) > np.maximum(np.maximum(SLOW_SHARE * fastest, NOISE_MULTIPLE * speed_noise), SLOWEST)
-    sure &= np.column_stack([_near_samples(joint.time, time, LONGEST_GAP / cutoff) for joint in joints])
-    ends = int(np.ceil(ENDS * rate / cutoff))
+    for place, recorded in enumerate(joint.time for joint in joints):
+        after = np.clip(np.searchsorted(recorded, time), 1, len(recorded) - 1)
+        sure[:, place] &= recorded[after] - recorded[after - 1] <= LONGEST_GAP / cutoff
+    ends, reach = (int(np.ceil(periods * rate / cutoff)) for periods in (ENDS, FORGOTTEN))
     sure[:ends], sure[-ends:] = False, False
     return RecordedMotion(
         time=time - start,
@@ -154,26 +160,13 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
         sign=sosfiltfilt(low_pass, np.sign(dq), axis=0),
         effort=sosfiltfilt(low_pass, effort, axis=0),
         speed_noise=speed_noise,
-        known=_without_neighbours(sure, int(np.ceil(FORGOTTEN * rate / cutoff))),
+        known=minimum_filter1d(sure.astype(np.uint8), 2 * reach + 1, axis=0, mode="nearest") > 0,
     )
 
 
 def _step(time: Array) -> float:
     steps = np.diff(time)
     return float(np.mean(steps[steps <= GAP * np.median(steps)]))
-
-
-def _cutoff(rate: float, given: float | None) -> float:
-    if given is None:
-        return min(DEFAULT_CUTOFF, rate / SLOW_SAMPLING)
-    if given > rate / FEWEST_SAMPLES:
-        rule = f"must be at most {rate / FEWEST_SAMPLES:.4g} Hz: the recording has {rate:.4g} samples a second."
-        raise InputError("cutoff", rule, value=given)
-    return given
-
-
-def _block(rate: float, cutoff: float) -> int:
-    return round(rate / cutoff)
 
 
 def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:
@@ -188,17 +181,3 @@ def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:
     within = np.clip(time, joint.time[0], joint.time[-1])
     position = make_interp_spline(joint.time, joint.position, k=3)(within)
     return np.asarray(position, dtype=np.float64), np.interp(within, joint.time, joint.effort)
-
-
-def _near_samples(recorded: Array, time: Array, longest: float) -> NDArray[np.bool_]:
-    after = np.clip(np.searchsorted(recorded, time), 1, len(recorded) - 1)
-    near: NDArray[np.bool_] = recorded[after] - recorded[after - 1] <= longest
-    return near
-
-
-def _without_neighbours(sure: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    """What is sure and has nothing that is not within so many samples, Shape (N, n)."""
-    from scipy.ndimage import minimum_filter1d  # noqa: PLC0415
-
-    least = minimum_filter1d(sure.astype(np.uint8), 2 * reach + 1, axis=0, mode="nearest")
-    return np.asarray(least > 0)

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from mrts.identification.identified_motors import ArmMotors
+from mrts.identification.identify import ArmMotors
 from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, Points
 
 

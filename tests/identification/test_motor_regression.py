@@ -12,9 +12,9 @@ SAME = 1e-9
 
 
 def motion(rng, count=300):
-    """q̈, q̇, sign(q̇) of blocks."""
+    """q̈, sign(q̇), q̇ of blocks."""
     velocity = rng.uniform(0.2, 2, count) * rng.choice([-1, 1], count)
-    return np.column_stack([rng.uniform(-6, 6, count), velocity, np.sign(velocity)])
+    return np.column_stack([rng.uniform(-6, 6, count), np.sign(velocity), velocity])
 
 
 def fitted(columns, left_over, used=None):
