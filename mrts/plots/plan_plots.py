@@ -52,10 +52,10 @@ def simulation_plot(found: Simulation) -> Plot:
     lines = [Line(x=found.played.time, y=y, label=name, **look(k)) for k, (name, y) in enumerate(errors.items())]
     errors_panel = curves_panel("Errors of tracking", "error [mrad, mm]", lines)
     title = f"{found.plan.cell.name}: {found.sentence()}"
-    return Plot(name="simulation", title=title, rows=[[_closed_loop_panel(found), errors_panel], *rows])
+    return Plot(name="simulation", title=title, rows=[[closed_loop_panel(found), errors_panel], *rows])
 
 
-def _closed_loop_panel(found: Simulation) -> Panel:
+def closed_loop_panel(found: Simulation) -> Panel:
     """How much of its limits the cell used along the time of the plan [%]."""
     used = limited_rows(found.played)
     moving = found.played.time <= found.plan.duration

@@ -85,6 +85,7 @@ class Choices:
         limits: Share of a given limit by its name, both sides alike.
         offsets: Of places that were moved, from where they were given: shift [m], turn as a vector [rad], Shape (6,).
         torque_rate: Of the smooth profile, for joints whose rate is not known [1/s].
+        simulated: Whether a controller plays the motion too, as `mrts.simulate` does.
     """
 
     mass: float | None = None
@@ -92,6 +93,7 @@ class Choices:
     offsets: Mapping[Place, Array] = field(default_factory=dict)
     profile: Profile = "constant"
     torque_rate: float = TORQUE_RATE
+    simulated: bool = False
 
     def cell(self, given: Given) -> Cell:
         """The cell as it was chosen.

@@ -4,14 +4,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from math import floor, log10, radians
+from math import radians
 from typing import Any
 
 import numpy as np
 import viser
 
 from mrts.cell.cell_change import Changed, limit_places
-from mrts.scene.scene import PACES, suited_pace
 from mrts.viewer.choices import Choices, Place, changed_keys, free_axes, places
 from mrts.viewer.panel import keys_html
 from mrts.viewer.scene import ViewerScene
@@ -33,8 +32,6 @@ FASTEST_RATE = 50.0
 """Largest torque rate on offer, a multiple of the torque limit per second [1/s]."""
 
 NOWHERE = "nothing"
-
-PACE_NAMED = {name: pace for pace, name in PACES.items()}
 
 Later = Callable[[Callable[[], None]], None]
 """Takes work for the thread that follows the controls."""
@@ -137,6 +134,8 @@ class ChangeControls:
             hint="a multiple of the torque limit per second, for joints whose rate the cell file does not give",
         )  # fmt: skip
         self._bind_field(self._rate, "torque_rate")
+        hint = "the motion played by the controller of mrts simulate, on a cell that is not quite as planned"
+        self._bind_field(gui.add_checkbox("in closed loop", initial_value=False, hint=hint), "simulated")
 
     def _add_load(self) -> None:
         gui, cell = self._gui, self._given.cell
@@ -231,52 +230,6 @@ def add_theme_switch(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> Non
 def configure_theme(gui: viser.GuiApi, *, dark: bool = False) -> None:
     """The panel's width and colours, without viser's own buttons."""
     gui.configure_theme(control_width="large", dark_mode=dark, show_logo=False, show_share_button=False)
-
-
-class Playback:
-    """The time of what is shown and how it goes on: a slider, Play, and how fast that is.
-
-    Attributes:
-        duration: Of what is shown [s].
-        plays: Whether time goes on.
-    """
-
-    def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
-        self.duration, self.plays, self._toggled = duration, False, False
-        self._share, self._shown = start, 0.0
-        self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
-        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
-        self._play.on_click(lambda _: later(self.toggle))
-        suited = PACES[suited_pace(duration)]
-        self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited, visible=visible)
-
-    @property
-    def time(self) -> float:
-        """That is to be shown [s]."""
-        return self._share * self.duration
-
-    def toggle(self) -> None:
-        """Play, or stop playing."""
-        self.plays, self._toggled = not self.plays, True
-        self._play.label = "Pause" if self.plays else "Play"
-        self._play.icon = viser.Icon.PLAYER_PAUSE if self.plays else viser.Icon.PLAYER_PLAY
-
-    def follow(self, elapsed: float) -> bool:
-        """Take over what was changed since the last call, some time ago [s], and play on; whether that is shown."""
-        changed, self._toggled = self._toggled, False
-        if self._time.value != self._shown:
-            self._shown, changed = self._time.value, True
-            self._share = min(self._shown / self.duration, 1.0)  # which was rounded
-        if self.plays:
-            self._share += elapsed * PACE_NAMED[self._pace.value] / self.duration
-            if self._share > 1:
-                self._share %= 1
-        return changed or self.plays
-
-    def show(self) -> None:
-        """Show the time on the slider, unless a user has just moved it."""
-        digits = max(0, 3 - floor(log10(self.duration)))  # four tell times along the motion apart
-        self._shown = set_slider(self._time, (0.0, round(self.duration, digits)), digits, self.time, self._shown)
 
 
 def set_slider(

@@ -6,12 +6,13 @@ from importlib.resources import files
 
 import numpy as np
 
-from mrts.base.errors import html_text
+from mrts.base.errors import MrtsError, html_text
 from mrts.base.remark import Remark
 from mrts.collisions.clearance import Clearance
 from mrts.plots.card import Card
 from mrts.scaling.limit_use import Nearness
 from mrts.scene.scene import FORCE, MOMENT
+from mrts.simulation.simulate import Simulation
 from mrts.viewer.player_state import HeldPoses, PlayerState
 
 OVER = "var(--mrts-over)"
@@ -56,6 +57,15 @@ def collisions_html(near: Clearance | None, said: Sequence[Remark]) -> str:
     """How near bodies come to each other and what was not looked at, in red where they collide; empty without both."""
     text = html_text(". ".join(remark.text for remark in said))
     return _paragraph("collisions", text, red=near is not None and near.collides) if said else ""
+
+
+def simulation_html(found: Simulation | MrtsError | None) -> str:
+    """What became of the motion in closed loop, in red where limits are passed; empty where it was not asked."""
+    if found is None:
+        return ""
+    if isinstance(found, MrtsError):
+        return _paragraph("simulation", html_text(str(found)), red=True)
+    return _paragraph("simulation", html_text(f"In closed loop {found.sentence()}."), red=not found.kept)
 
 
 def held_html(held: HeldPoses) -> str:

@@ -163,9 +163,14 @@ class PlayerState:
         return self.timing if self.trajectory.c2 == 1 else None
 
     @property
+    def plan(self) -> ScalingResult | RetimingResult:
+        """What is played, as it was found."""
+        return self.played_timing or self.played
+
+    @property
     def card(self) -> Card:
         """The answer in one line, and the limits that are nearest; where no speed is admissible, why."""
-        return answer_card(self.played_timing or self.played)
+        return answer_card(self.plan)
 
     def sentence(self) -> str:
         """The outcome in a sentence."""

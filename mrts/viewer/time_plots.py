@@ -11,12 +11,14 @@ import numpy as np
 import viser
 
 from mrts.base.errors import html_text
+from mrts.plots.plan_plots import closed_loop_panel
 from mrts.plots.plot import END_COLOURS, Axis, Line, Panel, level, shortened, time_axis
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
 from mrts.plots.trajectory_plots import limits_plot
 from mrts.scaling.result import ScalingResult
-from mrts.viewer.player_state import PlayerState
+from mrts.simulation.simulate import Simulation
+from mrts.viewer.workbench import Answer
 
 HEIGHT = 130
 """Of a plot [pixels]."""
@@ -30,8 +32,8 @@ RENEWAL = 0.2
 OVER = "#F03E3E"
 
 
-def time_panels(result: ScalingResult) -> dict[str, Panel]:
-    """What is plotted of a result with a trajectory, by title."""
+def time_panels(result: ScalingResult, simulation: Simulation | None = None) -> dict[str, Panel]:
+    """What is plotted of a result with a trajectory, and of it in closed loop, by title."""
     done, found = result.done, result.range
     x = time_axis(done.time)
     c2 = [
@@ -41,6 +43,7 @@ def time_panels(result: ScalingResult) -> dict[str, Panel]:
     c2.append(level(done.c2, x, label=f"chosen c² = {done.c2:.4g}", color=OVER))
     panels = [
         Panel(title="Range of c² of each sample", x=x, y=Axis(ends=c2_ends(found)), items=c2),
+        *([] if simulation is None else [closed_loop_panel(simulation)]),
         *(panel for row in limits_plot(result).rows for panel in row),
     ]
     return {panel.title: panel for panel in panels}
@@ -82,20 +85,20 @@ class PlotPanel:
         self._gui, self._tab = gui, tab
         self.cursor = gui.add_html("")
         self._plots: dict[str, tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle, viser.GuiHtmlHandle]] = {}
-        self._wanted: PlayerState | None = None
+        self._wanted: Answer | None = None
         self._since, self.at = RENEWAL, 0.0
 
-    def show(self, state: PlayerState | None) -> None:
-        """Plot a motion as soon as the last plots have been seen; None empties them."""
-        self._wanted = state
-        if state is None:
-            self._show({})
+    def show(self, answer: Answer) -> None:
+        """Plot an answer as soon as the last plots have been seen."""
+        self._wanted = answer
 
     def step(self, elapsed: float) -> None:
         """Plot what waits."""
         self._since += elapsed
         if self._wanted is not None and self._since >= RENEWAL:
-            self._show(time_panels(self._wanted.played))
+            state, found = self._wanted.state, self._wanted.simulation
+            simulation = found if isinstance(found, Simulation) else None
+            self._show({} if state is None else time_panels(state.played, simulation))
             self._wanted, self._since = None, 0.0
         style = f"<style>:root {{ --mrts-cursor: {self.at:.4f}; }}</style>"
         if style != self.cursor.content:

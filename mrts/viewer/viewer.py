@@ -19,7 +19,6 @@ from mrts.viewer.choices import Choices
 from mrts.viewer.controls import (
     ChangeControls,
     Later,
-    Playback,
     add_theme_switch,
     configure_theme,
     set_slider,
@@ -32,10 +31,12 @@ from mrts.viewer.panel import (
     held_html,
     nearest_html,
     outcome_html,
+    simulation_html,
     speed_html,
     text_html,
     verdict_html,
 )
+from mrts.viewer.playback import Playback
 from mrts.viewer.player_state import HeldPoses, PlayerState
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.time_plots import PlotPanel
@@ -172,12 +173,13 @@ class Viewer:
         others = answer is self._answer or state is None or before is None or state.result is not before.result
         self._answer, self.shown, self._error = answer, shown, ""
         self.playback.duration = float(shown.scene.time[-1])
+        self.playback.knob.take(state)
         with self.server.atomic():
             self._scene.show(shown.scene, anew=others)
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             if state is not None:
-                self._outcome = outcome_html(state) + collisions_html(near, said)
+                self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
             elif isinstance(shown, HeldPoses):
                 self._outcome = held_html(shown)
             self._show_verdict()
@@ -186,7 +188,7 @@ class Viewer:
                 scene = self._scene
                 self._nearest.content = "" if state is None else nearest_html(state.card)
                 self._arrows.content = arrows_html(scene.metres_per_newton, scene.metres_per_newton_metre)
-                self.plots.show(state)
+                self.plots.show(answer)
             self._show_moment()
         if self._changes is not None:
             self._changes.tell(answer.choices)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The workbench: choices, and answers to the newest of them, found beside the caller's work.
 
-One thread finds them, one at a time; a newer question ends work on an older one. An answer comes once more with how
-near bodies come to each other, unless something newer was asked meanwhile.
+One thread finds them, one at a time; a newer question ends work on an older one. An answer comes once more with what
+becomes of it in closed loop, where that is asked, and with how near bodies come to each other, unless something newer
+was asked meanwhile.
 """
 
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
@@ -15,6 +16,7 @@ from mrts.base.remark import Remark
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.simulation.simulate import Simulation, simulate
 from mrts.viewer.choices import Choices, Given
 from mrts.viewer.player_state import HeldPoses, PlayerState, held_poses, play
 
@@ -27,11 +29,13 @@ class Answer:
         choices: The choices.
         shown: The motion at its first choice of speed, or at the speed that was asked for; or where arms are without a
             motion that can be played, or where none was given; or why there is neither.
+        simulation: What became of the motion in closed loop, or why that is not known; None where it was not asked.
         collisions: What `clearance_remarks` finds for the motion as it is given; None until it is looked at, at last.
     """
 
     choices: Choices
     shown: PlayerState | HeldPoses | MrtsError
+    simulation: Simulation | MrtsError | None = None
     collisions: tuple[Clearance | None, tuple[Remark, ...]] | None = None
 
     @property
@@ -62,6 +66,13 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
             return Answer(choices, held_poses(cell, motion, str(error)))
         return Answer(choices, error)
     return Answer(choices, state)
+
+
+def _simulated(state: PlayerState) -> Simulation | MrtsError:
+    try:
+        return simulate(state.trajectory)
+    except MrtsError as error:
+        return error
 
 
 _Request = tuple[Choices, float | None]
@@ -133,6 +144,9 @@ class Workbench:
             progress(0, 0)
             found = self._found(request, progress)
             self._ready.put((request, found))
+            if found.state is not None and found.choices.simulated:
+                found = replace(found, simulation=_simulated(found.state))
+                self._ready.put((request, found))
             self._look_for_collisions(request, found)
 
     def _look_for_collisions(self, request: _Request | None, found: Answer) -> None:

@@ -1,6 +1,7 @@
 """The viewer without a browser: its controls are set as a browser's messages set them, its scene is read back."""
 
 import sys
+import time
 from dataclasses import replace
 
 import lxml.html
@@ -10,7 +11,7 @@ import viser
 from conftest import DATA, UR5
 from scipy.spatial.transform import Rotation
 from shipped_cells import shipped
-from shown_viewer import cell_of_real_arms, news_of, planar_given, settle, shown_viewer, spatial_given
+from shown_viewer import PATIENCE, cell_of_real_arms, news_of, planar_given, settle, shown_viewer, spatial_given
 
 import mrts
 from mrts.cell.cell_file import urdf_files
@@ -18,7 +19,7 @@ from mrts.cli import main
 from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
 from mrts.plots.trajectory_plots import limit_shares
-from mrts.scene.scene import blended
+from mrts.scene.scene import PACES, blended
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
 from mrts.viewer.player_state import PlayerState, still_motion
@@ -72,7 +73,7 @@ def test_another_profile_is_played_at_its_own_speed(viewer):
 def test_every_slider_changes_its_number(viewer):
     """Of one number field without decimal places the page drops the point: a typed 1.5 is 15."""
     sliders = {name: each for name, each in viewer.controls.items() if isinstance(each, viser.GuiSliderHandle)}
-    assert len(sliders) == 8
+    assert len(sliders) == 9
     assert all(slider.precision >= DECIMALS for slider in sliders.values())
     choose(viewer, **{"mass [kg]": 1.0})
     for limit, share in (("left: all torques", 87.5), ("right: all wrenches", 50.0)):
@@ -293,3 +294,27 @@ def test_a_saved_result_plays_without_a_compiler(lifted, tmp_path, monkeypatch):
         assert opened.controls["Play"].label == "Pause"
         share = state.trajectory.time[viewer.sample] / state.trajectory.duration
         assert f"--mrts-cursor: {share:.4f}" in viewer.plots.cursor.content
+
+
+def test_the_knob_stops_the_motion_on_its_path_and_lets_it_go_on(viewer):
+    shown, knob = viewer.shown, viewer.controls["override [%]"]
+    assign(viewer.controls["pace"], PACES[1.0])
+    shown.playback.toggle()
+    assign(knob, 0)
+    end, before = time.monotonic() + PATIENCE, -1.0
+    while shown.playback.time != before and time.monotonic() < end:  # it goes on as planned until its tables are made
+        before = shown.playback.time
+        shown.step(1e-4)
+    stood = shown.playback.time
+    shown.step(0.05)
+    assert shown.playback.time == stood > 0
+    assign(knob, 30)
+    shown.step(0.1)  # it has come to the wanted speed
+    before = shown.playback.time
+    shown.step(0.04)
+    assert shown.playback.time - before == pytest.approx(0.3 * 0.04, rel=1e-6)
+    assign(viewer.controls["time [s]"], 0.05)
+    shown.step(0.0)
+    assert shown.playback.time == pytest.approx(0.05)
+    choose(viewer, speed_c=1.15 * shown.state.speeds.upper / 1.2)
+    assert knob.disabled

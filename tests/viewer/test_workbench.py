@@ -14,10 +14,13 @@ from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_give
 import mrts
 from mrts.collisions.bodies import tip_at_posture
 from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.plots.plot import Line
+from mrts.scaling.limit_use import limited_rows
 from mrts.viewer import workbench
 from mrts.viewer.choices import Choices, Given, Place, changed_keys, places
 from mrts.viewer.panel import held_html
 from mrts.viewer.player_state import still_motion
+from mrts.viewer.time_plots import time_panels
 from mrts.viewer.workbench import Workbench, find_answer
 
 SAME = 1e-9
@@ -79,6 +82,25 @@ def test_each_change_has_the_answer_of_the_changed_cell(spatial):
     fixed = mrts.scale(cell.with_mass(9.0), motion, sharing=shares)
     answer = changed(replace(spatial, asked={"sharing": shares}), Choices(mass=9.0))
     assert upper(answer) == pytest.approx(fixed.range.upper.c2, rel=SAME)
+
+
+def test_a_motion_is_played_in_closed_loop_when_asked(planar):
+    """As `mrts.simulate` finds it, anew for another mass; a plot has its shares along the time of the plan."""
+    bench = Workbench(planar)
+    answered(bench)
+    assert bench.answer.simulation is None
+    for mass in (None, 2.0):
+        bench.edit(Choices(mass=mass, simulated=True))
+        answer = answered(bench)
+        found = mrts.simulate(answer.state.trajectory)
+        assert answer.simulation.passed[0].share == found.passed[0].share
+        panel = time_panels(answer.state.played, answer.simulation)["In closed loop"]
+        lines = [item for item in panel.items if isinstance(item, Line)]
+        during = found.played.time <= found.plan.duration
+        most = np.max(limited_rows(found.played).share[during])
+        assert max(np.max(line.y) for line in lines) == pytest.approx(100 * most)
+    bench.edit(Choices())
+    assert answered(bench).simulation is None
 
 
 def test_the_keys_of_what_was_changed_are_those_of_the_files(spatial):
