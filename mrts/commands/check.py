@@ -17,15 +17,8 @@ if TYPE_CHECKING:
 CODES = {"fine": FEASIBLE, "impossible": INFEASIBLE, "wrong-input": BAD_INPUT}
 """Exit code by what came of the check."""
 
-EXAMPLES = """\
-examples:
-  mrts check cell.yaml
-  mrts check cell.yaml motion.yaml
-  mrts check cell.yaml motion.yaml -q --json - | jq .hints
-  mrts check plan.csv --cell cell.yaml            the last look at a plan, whoever made it, before a robot moves"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @argument("cell", type=Named(), metavar="CELL|PLAN",
           help="cell file; with --cell a plan: a CSV table or a ROS 2 bag")  # fmt: skip
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
@@ -44,7 +37,14 @@ def run(
     *,
     verbose: bool = False,
 ) -> int:
-    """What is wrong, assumed, or out of reach in a cell and a motion, all at once, without a compiler; or in a plan."""
+    """What is wrong, assumed, or out of reach in a cell and a motion, all at once, without a compiler; or in a plan.
+
+    Examples:
+        mrts check cell.yaml
+        mrts check cell.yaml motion.yaml
+        mrts check cell.yaml motion.yaml -q --json - | jq .hints
+        mrts check plan.csv --cell cell.yaml            the last look at a plan, whoever made it, before a robot moves
+    """
     if of_cell is not None:
         if motion is not None:
             raise InputError("MOTION", "does not go with --cell, which checks a plan by itself.", value=str(motion))

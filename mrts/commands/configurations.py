@@ -10,13 +10,8 @@ from mrts.base.errors import InputError
 from mrts.commands import options
 from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, working
 
-EXAMPLES = """\
-examples:
-  mrts configurations cell.yaml motion.yaml --show 5
-  mrts configurations cell.yaml motion.yaml --share equal --json ranking.json"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @options.cell
 @options.motion
 @options.share
@@ -26,7 +21,12 @@ examples:
 @options.solver
 @options.json
 def run(cell: Path, motion: Path, show: int, json: Path | None = None, **given: Any) -> int:
-    """Compare all inverse-kinematics branches of the arms."""
+    """Compare all inverse-kinematics branches of the arms.
+
+    Examples:
+        mrts configurations cell.yaml motion.yaml --show 5
+        mrts configurations cell.yaml motion.yaml --share equal --json ranking.json
+    """
     from mrts.motion.motion_file import load_motion
     from mrts.motion.object_motion import ObjectMotion
     from mrts.studies.configurations import rank_configurations

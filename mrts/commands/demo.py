@@ -10,18 +10,18 @@ from mrts.commands import options
 from mrts.commands.console import FEASIBLE, say, warn, working
 from mrts.commands.options import Written
 
-EXAMPLES = """\
-examples:
-  mrts demo                  the table; figures and files in the folder mrts-demo
-  mrts demo -o somewhere"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @option("-o", "--output", type=Written(folder=True), default="mrts-demo", show_default=True, metavar="DIR",
         help="folder for the figures and example files")  # fmt: skip
 @options.solver
 def run(output: Path, **given: Any) -> int:
-    """Run the paper's examples."""
+    """Run the paper's examples.
+
+    Examples:
+        mrts demo                  the table; figures and files in the folder mrts-demo
+        mrts demo -o somewhere
+    """
     from mrts.commands.paper_examples import NOTE, format_table, run_demo, write_demo_files
 
     with working("running the paper's examples") as progress:

@@ -16,15 +16,8 @@ if TYPE_CHECKING:
     from mrts.following.grasp_closure import ClosureBound
     from mrts.program.rate_limits import Rates
 
-EXAMPLES = """\
-examples:
-  mrts export cell.yaml -o embedded/my_cell --precision float
-  mrts export cell.yaml -o embedded/arms --name arms
-  mrts export cell.yaml -o embedded/my_cell --plan result.npz --precision float
-  make -C embedded/my_cell test example"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @argument("cell", type=Named(), metavar="CELL", help="cell file")
 @option("-o", "--output", type=Written(folder=True), required=True, metavar="DIR", help="folder for the library")
 @option("--precision", type=Choice(["double", "float"]), default="double", show_default=True, help="of its numbers")
@@ -48,7 +41,14 @@ def run(
     rates: "Rates | None" = None,
     **given: Any,
 ) -> int:
-    """Write a self-contained C library of a cell for a controller."""
+    """Write a self-contained C library of a cell for a controller.
+
+    Examples:
+        mrts export cell.yaml -o embedded/my_cell --precision float
+        mrts export cell.yaml -o embedded/arms --name arms
+        mrts export cell.yaml -o embedded/my_cell --plan result.npz --precision float
+        make -C embedded/my_cell test example
+    """
     from mrts.cell.generation import export_to
     from mrts.following.coordinate import coordinate
     from mrts.motion.motion_file import load_motion

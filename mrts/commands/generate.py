@@ -9,18 +9,18 @@ from mrts.commands import options
 from mrts.commands.console import FEASIBLE, say, warn, working
 from mrts.commands.options import Named, Written
 
-EXAMPLES = """\
-examples:
-  mrts generate cell.yaml -o generated/my_cell
-  mrts scale generated/my_cell motion.yaml                  runs without the URDFs"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @argument("cell", type=Named(), metavar="CELL", help="cell file")
 @option("-o", "--output", type=Written(folder=True), metavar="DIR",
         help="folder for the C file and manifest.json (default: the user's cache)")  # fmt: skip
 def run(cell: Path, output: Path | None = None) -> int:
-    """Generate the C of a cell."""
+    """Generate the C of a cell.
+
+    Examples:
+        mrts generate cell.yaml -o generated/my_cell
+        mrts scale generated/my_cell motion.yaml                  runs without the URDFs
+    """
     from mrts.cell.generation import generate_to
 
     with working(f"generating {cell}"):

@@ -10,13 +10,8 @@ from mrts.commands import options
 from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, warn, working
 from mrts.commands.options import Named, Written
 
-EXAMPLES = """\
-examples:
-  mrts identify cell.yaml recorded.csv -o motors.yaml
-  mrts identify cell.yaml recorded.csv -o motors.yaml --cutoff 30 --plot plots"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @options.cell
 @argument("recording", type=Named(), metavar="RECORDING",
           help="joint positions and efforts of arms that hold nothing: ROS 2 bag with sensor_msgs/JointState, or CSV "
@@ -28,7 +23,12 @@ examples:
         "less)")  # fmt: skip
 @options.plot("a figure of what is left over for each robot")
 def run(cell: Path, recording: Path, output: Path, plot: Path | None = None, **given: Any) -> int:
-    """Find armature and friction of the motors in a recording of the arms' free motion."""
+    """Find armature and friction of the motors in a recording of the arms' free motion.
+
+    Examples:
+        mrts identify cell.yaml recorded.csv -o motors.yaml
+        mrts identify cell.yaml recorded.csv -o motors.yaml --cutoff 30 --plot plots
+    """
     from mrts.identification.identify import identify
     from mrts.motion.joint_recording import load_recording
 

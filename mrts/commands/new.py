@@ -22,18 +22,13 @@ if TYPE_CHECKING:
     from mrts.starting.proposal import Proposal
     from mrts.starting.request import Request
 
-EXAMPLES = """\
-examples:
-  mrts new pair --robot arm.urdf                  two of a kind
-  mrts new lift --robot left.urdf --robot right.urdf --tip tool0 --tip tool0 --mass 5"""
-
 
 def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
     rule = f"must be {' or '.join(map(str, counts))} numbers with commas between them, such as 0.5,0,-1."
     return options.listed(where, rule, options.array, counts=counts)
 
 
-@options.command(EXAMPLES)
+@options.command
 @argument("folder", type=Written(folder=True), metavar="DIR", help="folder for cell.yaml and motion.yaml")
 @option("--robot", "robots", multiple=True, required=True, metavar="URDF",
         help="once for each robot; a single arm stands twice, a machine with two arms once")  # fmt: skip
@@ -46,7 +41,12 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
 @option("--gravity", type=_vector("gravity", 3), metavar="X,Y,Z", help="in the world (default: 0,0,-9.81)")
 @option("--force", is_flag=True, help="overwrite files")
 def run(folder: Path, bases: "tuple[Array, ...]" = (), *, force: bool = False, **given: Any) -> int:
-    """Begin a cell from URDFs alone: hands, bases, a motion that can be played."""
+    """Begin a cell from URDFs alone: hands, bases, a motion that can be played.
+
+    Examples:
+        mrts new pair --robot arm.urdf                  two of a kind
+        mrts new lift --robot left.urdf --robot right.urdf --tip tool0 --tip tool0 --mass 5
+    """
     from mrts.base.atomic_file import text_writer, write_together
     from mrts.cell.remarks import urdf_remarks
     from mrts.starting.proposal import cell_file, motion_file, propose

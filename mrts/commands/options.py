@@ -10,9 +10,11 @@ import shlex
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import reduce
+from inspect import cleandoc
 from math import isfinite, nan
 from operator import itemgetter
 from pathlib import Path
+from textwrap import dedent, indent
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -198,9 +200,11 @@ EVERYWHERE = [
 """Options of every command, and of the line before it."""
 
 
-def command(examples: str) -> Callable[[Callable[..., int]], Command]:
-    """Make a command of a function, whose docstring its help begins with."""
-    return click.command(cls=Command, epilog=f"\b\n{examples}", context_settings={"max_content_width": 120})
+def command(function: Callable[..., int]) -> Command:
+    """Make a command of a function, whose docstring is its help."""
+    text, _, examples = cleandoc(function.__doc__ or "").partition("Examples:\n")
+    epilog = f"\b\nexamples:\n{indent(dedent(examples), '  ')}"
+    return click.command(cls=Command, help=text, epilog=epilog, context_settings={"max_content_width": 120})(function)
 
 
 def take(given: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:

@@ -10,13 +10,8 @@ from mrts.commands import options
 from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, check_not_read, warn, working
 from mrts.commands.options import Named, Written
 
-EXAMPLES = """\
-examples:
-  mrts place study.yaml -o best.yaml
-  mrts place study.yaml -o best.yaml --starts 10 --look 200"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @argument("study", type=Named(), metavar="STUDY",
           help="study file with 'sample: sobol'; 'vary' gives numbers of base, grasp, posture from and to")  # fmt: skip
 @option("-o", "--output", type=Written(), required=True, metavar="FILE",
@@ -25,7 +20,12 @@ examples:
 @option("--look", "looked_at", type=int, metavar="N", help="of how many layouts the starts are the best (default: 64)")
 @options.between
 def run(study: Path, output: Path, **given: Any) -> int:
-    """Where to put the arms and how to hold the object: the layout that may be played fastest."""
+    """Where to put the arms and how to hold the object: the layout that may be played fastest.
+
+    Examples:
+        mrts place study.yaml -o best.yaml
+        mrts place study.yaml -o best.yaml --starts 10 --look 200
+    """
     from mrts.studies.place import place
     from mrts.studies.study import read_study
 

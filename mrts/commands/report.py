@@ -15,15 +15,8 @@ from mrts.commands.options import HTML, Named
 if TYPE_CHECKING:
     from mrts.program.rate_limits import Rates
 
-EXAMPLES = """\
-examples:
-  mrts report result.npz -o report.html
-  mrts report result.npz --cell cell.yaml                   with what stops on the path take
-  mrts report found -o report.html                          of what mrts sweep wrote into the folder found
-  mrts scale cell.yaml motion.yaml --report report.html     without saving the result"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @argument("result", type=Named(".npz"), metavar="RESULT", help="saved result (.npz), or the folder of a study")
 @option("-o", "--output", type=HTML, default="report.html", show_default=True, metavar="FILE", help="page to write")
 @option(
@@ -31,7 +24,14 @@ examples:
 )
 @options.rates
 def run(result: Path, output: Path, cell: Path | None = None, rates: "Rates | None" = None) -> int:
-    """Write a saved result or a study as an HTML page that opens offline."""
+    """Write a saved result or a study as an HTML page that opens offline.
+
+    Examples:
+        mrts report result.npz -o report.html
+        mrts report result.npz --cell cell.yaml                   with what stops on the path take
+        mrts report found -o report.html                          of what mrts sweep wrote into the folder found
+        mrts scale cell.yaml motion.yaml --report report.html     without saving the result
+    """
     from mrts.output.saved_result import load_result
     from mrts.override.speed_override import SpeedOverride
     from mrts.report import write_report

@@ -24,16 +24,6 @@ if TYPE_CHECKING:
     from mrts.simulation.simulate import ReserveSearch
     from mrts.timing.result import RetimingResult
 
-EXAMPLES = """\
-examples:
-  mrts scale cell.yaml motion.yaml --save result.npz --report report.html --plot plots
-  mrts scale cell.yaml motion.yaml --profile optimal --plot plots
-  mrts scale cell.yaml motion.yaml --profile smooth --rates 11.5 --csv smooth.csv
-  mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
-  mrts scale cell.yaml motion.yaml --load guaranteed
-  mrts scale cell.yaml motion.yaml --what-if --report report.html
-  mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper"""
-
 PROFILES = ("constant", "optimal", "smooth")
 
 STYLES: dict[str, Style] = {"free": "plain", "near": "note", "reached": "bad"}
@@ -49,7 +39,7 @@ HOW = ("what_if", "merged", "rate", "verbose", "brief")
 """Arguments that say what is told and written."""
 
 
-@options.command(EXAMPLES)
+@options.command
 @options.cell
 @options.motion
 @option("--c2", "select", type=float, metavar="VALUE",
@@ -98,7 +88,17 @@ HOW = ("what_if", "merged", "rate", "verbose", "brief")
 @option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
 @option("--brief", is_flag=True, help="print the answer in one line, warnings on standard error")
 def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **given: Any) -> int:
-    """How fast may this motion be played, and with which torques?"""
+    """How fast may this motion be played, and with which torques?
+
+    Examples:
+        mrts scale cell.yaml motion.yaml --save result.npz --report report.html --plot plots
+        mrts scale cell.yaml motion.yaml --profile optimal --plot plots
+        mrts scale cell.yaml motion.yaml --profile smooth --rates 11.5 --csv smooth.csv
+        mrts scale cell.yaml motion.yaml --c2 0.8 --share 0.6,0.4 --csv trajectory.csv
+        mrts scale cell.yaml motion.yaml --load guaranteed
+        mrts scale cell.yaml motion.yaml --what-if --report report.html
+        mrts scale cell.yaml motion.yaml -q --json - | jq .c2.upper
+    """
     from mrts.motion.motion_file import load_motion
     from mrts.plots.card import answer_card
     from mrts.scaling.result import ScalingResult, fallbacks_text

@@ -2,7 +2,7 @@
 """`mrts simulate`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from click import argument, option
 
@@ -11,21 +11,8 @@ from mrts.commands import options
 from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, working
 from mrts.commands.options import HTML, Named
 
-if TYPE_CHECKING:
-    from mrts.cell.cell import Cell
-    from mrts.scaling.result import ScalingResult
-    from mrts.scaling.scaled_trajectory import ScaledTrajectory
-    from mrts.timing.result import RetimingResult
 
-EXAMPLES = """\
-examples:
-  mrts simulate cell.yaml result.npz
-  mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
-  mrts simulate cell.yaml result.npz --override random:1
-  mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest"""
-
-
-@options.command(EXAMPLES)
+@options.command
 @options.cell
 @argument("plan", type=Named(".npz", ".csv", ".mcap", ".db3"), metavar="PLAN",
           help="saved result (.npz), CSV table with torques and wrenches, or ROS 2 bag, as `mrts scale` writes "
@@ -55,16 +42,25 @@ def run(
     verbose: bool = False,
     **draw: Any,
 ) -> int:
-    """Does a plan keep its limits when a controller plays it on a cell that is not quite the plan's?"""
+    """Does a plan keep its limits when a controller plays it on a cell that is not quite the plan's?
+
+    Examples:
+        mrts simulate cell.yaml result.npz
+        mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
+        mrts simulate cell.yaml result.npz --override random:1
+        mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest
+    """
+    from mrts.output.saved_result import load_result
     from mrts.override.speed_override import random_wishes, read_wishes
     from mrts.simulation.controller import Controller, PlantErrors, with_settings
+    from mrts.simulation.plan_file import load_plan
     from mrts.simulation.simulate import simulate
 
     require_extra("mrts simulate", "simulate", "mujoco")
     controller, errors = with_settings(Controller(), PlantErrors(), dict(map(_setting, given)))
     compiled = options.compiled_cell(cell)
     with working(f"reading {plan}"):
-        planned = _plan(compiled, plan)
+        planned = load_result(plan, compiled) if plan.suffix.lower() == ".npz" else load_plan(compiled, plan)
     if override is not None:
         word, sign, seed = override.partition(":")
         drawn = (word, sign) == ("random", ":")
@@ -83,13 +79,6 @@ def run(
 
         outputs.write(report, lambda file: write_report(found, file))
     return outputs.answer(found.lines(every=verbose), FEASIBLE if found.kept else INFEASIBLE)
-
-
-def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledTrajectory":
-    from mrts.output.saved_result import load_result
-    from mrts.simulation.plan_file import load_plan
-
-    return load_result(path, cell) if path.suffix.lower() == ".npz" else load_plan(cell, path)
 
 
 def _setting(text: str) -> tuple[str, Any]:

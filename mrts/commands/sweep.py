@@ -18,13 +18,8 @@ if TYPE_CHECKING:
     from mrts.studies.study import Study
     from mrts.studies.study_folder import StudyFolder
 
-EXAMPLES = """\
-examples:
-  mrts sweep study.yaml -o found --top 3 --plot plots
-  mrts sweep study.yaml -o found --scheduler tcp://10.0.0.1:8786"""
 
-
-@options.command(EXAMPLES)
+@options.command
 @argument("study", type=Named(), metavar="STUDY", help="study file")
 @option("-o", "--output", type=Written(folder=True), required=True, metavar="DIR",
         help="folder for the table (Parquet): a new one, or one in which this study goes on")  # fmt: skip
@@ -42,7 +37,12 @@ def run(
     top: int = 0,
     plot: Path | None = None,
 ) -> int:
-    """Solve all variants of a study: numbers of cell and motion that vary."""
+    """Solve all variants of a study: numbers of cell and motion that vary.
+
+    Examples:
+        mrts sweep study.yaml -o found --top 3 --plot plots
+        mrts sweep study.yaml -o found --scheduler tcp://10.0.0.1:8786
+    """
     from mrts.studies.study import read_study
     from mrts.studies.sweep import best_variants
 

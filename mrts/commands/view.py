@@ -29,14 +29,6 @@ if TYPE_CHECKING:
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
 
-EXAMPLES = """\
-examples:
-  mrts view cell.yaml motion.yaml
-  mrts view cell.yaml --no-open
-  mrts view cell.yaml motion.yaml --port 0 --no-open
-  mrts view cell.yaml motion.yaml --png moment.png --at 0.2
-  mrts view cell.yaml motion.yaml --video lift.gif --side-by-side given,fastest,smooth --rates 11.5"""
-
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
 
@@ -58,7 +50,7 @@ def _sides(text: str) -> list[str]:
     return found
 
 
-@options.command(EXAMPLES)
+@options.command
 @argument("cell", type=Named(), metavar="CELL",
           help="cell file, folder that `mrts generate` wrote, or RESULT.npz of `mrts scale --save`")  # fmt: skip
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
@@ -90,7 +82,15 @@ def run(
     no_open: bool = False,
     **given: Any,
 ) -> int:
-    """A cell in the browser, its motion at any speed against all limits, until Ctrl-C; or as a picture or a film."""
+    """A cell in the browser, its motion at any speed against all limits, until Ctrl-C; or as a picture or a film.
+
+    Examples:
+        mrts view cell.yaml motion.yaml
+        mrts view cell.yaml --no-open
+        mrts view cell.yaml motion.yaml --port 0 --no-open
+        mrts view cell.yaml motion.yaml --png moment.png --at 0.2
+        mrts view cell.yaml motion.yaml --video lift.gif --side-by-side given,fastest,smooth --rates 11.5
+    """
     of_films = take(given, OF_FILMS)
     drawn = [name for name, file in (("png", png), ("video", video)) if file is not None]
     saved = cell.suffix == ".npz"

@@ -3,7 +3,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import NoneType
 from typing import Any
@@ -16,7 +16,6 @@ from mrts.base.errors import InputError, Progress, check_callable, check_type, i
 from mrts.base.formats.record import dumped
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import aligned
-from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
 from mrts.override.plan_nodes import resting_trajectory, trajectory_of
 from mrts.override.speed_override import SpeedOverride, commanded, wanted_at_ticks
@@ -266,7 +265,6 @@ def simulate(
     *,
     override: Array | None = None,
     rates: Rates | None = None,
-    cell: Cell | None = None,
     trials: int = 0,
     seed: int = 0,
     progress: Progress = lambda _done, _total: None,
@@ -283,7 +281,6 @@ def simulate(
         override: Times from 0 [s] and speeds that are wanted from then on, Shape (k, 2): the controller plays the plan
             by its `SpeedOverride` until nothing moves any more; None plays it as planned.
         rates: That the override keeps, as in `SpeedOverride`; without, it brakes and accelerates in steps of torques.
-        cell: With the limits and motors that count; None is the plan's, without a reserve.
         trials: How often it is played again, with errors drawn evenly between minus and plus `errors`.
         seed: Of the draws and of the noise.
         progress: Told of the trials.
@@ -315,12 +312,7 @@ def simulate(
         planned = commanded(governor, wanted, dt)
     elif rates is not None:
         raise InputError("rates", "are those that an override keeps: give one too.", value=rates)
-    check_type("cell", cell, Cell, NoneType)
-    counts = (planned.cell if cell is None else cell).with_reserve(0.0)
-    if counts.joint_names != planned.cell.joint_names:
-        rule = f"has the joints {', '.join(counts.joint_names)}, not those of the plan."
-        raise InputError("cell", rule)
-    planned = ScaledTrajectory(counts, planned.motion, planned.c2, planned.torque, planned.wrench, planned.holding)
+    planned = replace(planned, cell=planned.cell.with_reserve(0.0))
     # apart, so that the same errors are drawn whatever the controller
     drawing, noise, *noises = np.random.default_rng(seed).spawn(int(trials) + 2)
     played, saturated = _played(planned, controller, errors, noise)

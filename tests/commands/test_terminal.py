@@ -145,7 +145,7 @@ def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     ran = 0
     for verb in COMMANDS:
-        for line in import_module(f"mrts.commands.{verb}").EXAMPLES.splitlines()[1:]:
+        for line in import_module(f"mrts.commands.{verb}").run.epilog.splitlines()[2:]:
             command = re.split(r"\s{2,}|\s\|", line.strip())[0].split()
             if command[0] == "mrts" and not any(word in line for word in ELSEWHERE):
                 assert main(command[1:]) == 0, line
