@@ -16,13 +16,11 @@ from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, Mistakes, did_you_mean
-from mrts.base.formats.file_reference import FileReference
+from mrts.base.errors import InputError, Mistakes, Remark, did_you_mean
 from mrts.base.formats.urdf import NO_LIMIT, Urdf
-from mrts.base.input_file import read_data, validated
+from mrts.base.input_file import FileReference, read_data
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, ChainsRecord
-from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell_file import (
     OF_ARM,
@@ -103,7 +101,7 @@ def read_cell(path: Path) -> tuple[CellModel | None, tuple[InputError, ...]]:
     with mistakes.noted():
         data = read_data(path, "cell file")
         try:
-            description = validated(path, data, CellDescription, "cell file")
+            description = CellDescription.read(path, data, "cell file")
         except InputError as error:
             mistakes.add(error)
             _read_robots(path, data, mistakes)

@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.errors import InputError
-from mrts.base.formats.file_reference import FileReference
+from mrts.base.errors import InputError, Remark
 from mrts.base.formats.record import Finite, Rule, checked, checked_fields
-from mrts.base.input_file import text_of
-from mrts.base.remark import Remark
+from mrts.base.input_file import FileReference, text_of
 from mrts.base.words import first_names
 from mrts.base.yaml_text import parse_yaml
 

@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.file_reference import FileReference
+from mrts.base.errors import InputError, Mistakes, Remark
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, packed_surface
-from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.remark import Remark
+from mrts.base.input_file import LARGEST_NUMBER, FileReference
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.cell.cell_file import RobotDescription
 from mrts.cell.points import point_names

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import NEAREST_INERTIA, InputError, Remark
 from mrts.base.formats.urdf import Link
-from mrts.base.remark import NEAREST_INERTIA, Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.cell.cell_file import INERTIA_TOLERANCE, inertia_problem, triangle_excess
 

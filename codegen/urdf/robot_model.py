@@ -10,10 +10,9 @@ import numpy as np
 from mrts_codegen.urdf.link_inertia import Inertia, is_point, link_inertia
 
 from mrts.base.arrays import Array, without_infinity
-from mrts.base.errors import InputError, Mistakes
+from mrts.base.errors import InputError, Mistakes, Remark
 from mrts.base.formats.urdf import NO_LIMIT, Urdf, UrdfJoint
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.cell.motors import JointMotors
 from mrts.cell.robot import Robot, RobotSource

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The exceptions of mrts, the checks of arguments that raise them, and text that is safe to show.
+"""What users are told: the exceptions of mrts, remarks beside an answer, checks of arguments, text safe to show.
 
 An infeasible motion is an outcome (`mrts.ScalingStatus`), never an exception. What raises is wrong input
 and a tool that failed. Every message names the value, the rule and what to do. It is safe to print as it is: what it
@@ -10,6 +10,7 @@ import re
 import reprlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from html import escape
 from importlib.util import find_spec
@@ -17,7 +18,7 @@ from math import inf, isfinite
 from numbers import Real
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,6 +30,13 @@ LONGEST_MESSAGE = 4000
 
 Progress = Callable[[int, int], None]
 """Told how many of how many pieces of work are done."""
+
+Severity = Literal["hint", "warning", "assumption"]
+"""How much it matters: a likely mistake, what to know before trusting an answer, or what is taken for granted, which is
+told by a check alone."""
+
+NEAREST_INERTIA = "inertia-nearest"
+"""Code of the remark on an inertia of a URDF that was moved to the nearest one of a body."""
 
 WORDS = {
     "Mapping": "a dictionary",
@@ -162,6 +170,40 @@ class CompilerError(MrtsError):
 
 class SolverError(MrtsError):
     """No solver returned an answer that passes its own verification."""
+
+
+@dataclass(frozen=True)
+class Remark:
+    """One entry of "warnings" in the JSON result.
+
+    Attributes:
+        code: Stable name of its kind, such as "not-at-rest", for programs.
+        text: A sentence for people.
+        sample: Where along the motion, None if it is about all of it.
+        severity: How much it matters.
+    """
+
+    code: str
+    text: str
+    sample: int | None = None
+    severity: Severity = "warning"
+
+    @staticmethod
+    def hint(code: str, text: str) -> "Remark":
+        """A likely mistake."""
+        return Remark(code, text, severity="hint")
+
+    @staticmethod
+    def assumed(code: str, text: str) -> "Remark":
+        """What is taken for granted."""
+        return Remark(code, text, severity="assumption")
+
+    def __str__(self) -> str:
+        return f"{self.severity}: {printable(self.text)}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Code, severity, text and sample."""
+        return {"code": self.code, "severity": self.severity, "text": self.text, "sample": self.sample}
 
 
 def check_type(name: str, value: object, *kinds: type) -> None:

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Loads that are known only within ranges: the box, its corners, and loads drawn from it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import permutations, product
 from types import NoneType
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, as_array, check_type, did_you_mean, is_number
+from mrts.base.errors import InputError, check_type, did_you_mean, is_number
+from mrts.base.formats.record import Finite, Positive, Shape, check_attributes
 from mrts.base.manifest import LOAD_ENTRIES
 
 FACTORS = ("mass", "ixx", "iyy", "izz")
@@ -31,6 +32,34 @@ AXES_TOLERANCE = 1e-9
 
 LARGEST_DRAW = 1_000_000
 """Most loads that are drawn at once: more would fill the memory."""
+
+
+def _check_ranges(ranges: dict[str, tuple[float, float]]) -> None:
+    """Check the ranges of what is uncertain of a load, by parameter: docs/uncertain_load.md."""
+    if not ranges:
+        raise InputError("", f"needs at least one range, of {', '.join(PARAMETERS)}.")
+    for name, (low, high) in ranges.items():
+        if problem := _range_problem(name, low, high):
+            raise InputError("", problem)
+
+
+def _range_problem(name: str, low: float, high: float) -> str:
+    if name not in PARAMETERS:
+        return f"unknown parameter '{name}'{did_you_mean(name, PARAMETERS)} There are {', '.join(PARAMETERS)}."
+    nominal = NOMINAL[name]
+    what = "a factor of the nominal value" if name in FACTORS else "a difference from the nominal one"
+    rules = (
+        (low <= high, "the lower value exceeds the upper one"),
+        (name != "mass" or low > 0, "factors of the mass must be > 0; an object without mass is none"),
+        (name not in FACTORS or low >= 0, "factors of a moment of inertia must be >= 0"),
+        (low <= nominal <= high, f"it is {what} and must contain {nominal:g}; change the nominal load or the range"),
+    )
+    broken = next((rule for holds, rule in rules if not holds), None)
+    return f"{name} = [{low:g}, {high:g}]: {broken}." if broken else ""
+
+
+Variation = Annotated[dict[str, tuple[Finite, Finite]], _check_ranges]
+"""Least and largest value by parameter."""
 
 
 @dataclass(frozen=True)
@@ -70,24 +99,15 @@ class LoadBox:
         principal_moments: Shape (3,) [kg m²].
     """
 
-    mass: float
-    inertia: Array
-    ranges: Mapping[str, tuple[float, float]]
+    mass: Positive
+    inertia: Annotated[Array, Shape(3, 3, finite=True)]
+    ranges: Variation
     principal_axes: Array = field(init=False)
     principal_moments: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        if not is_number(self.mass) or not self.mass > 0:
-            raise InputError("mass", "must be a finite number > 0, in kg.", value=self.mass)
-        check_type("ranges", self.ranges, Mapping)
-        inertia = as_array("inertia", self.inertia)
-        if inertia.shape != (3, 3) or not np.all(np.isfinite(inertia)):
-            raise InputError("inertia", "must be finite with Shape (3, 3).", value=self.inertia)
-        object.__setattr__(self, "inertia", inertia)
-        if problem := range_problem(self.ranges):
-            raise InputError("variation", problem)
-        ordered = {name: self.ranges[name] for name in PARAMETERS if name in self.ranges}
-        object.__setattr__(self, "ranges", {name: (float(low), float(high)) for name, (low, high) in ordered.items()})
+        check_attributes(self, LoadBox, "load box")
+        object.__setattr__(self, "ranges", {name: self.ranges[name] for name in PARAMETERS if name in self.ranges})
         axes = principal_axes(self.inertia)
         object.__setattr__(self, "principal_axes", axes)
         object.__setattr__(self, "principal_moments", np.diag(axes.T @ self.inertia @ axes).copy())
@@ -196,32 +216,6 @@ def load_vector(mass: float, first_moment: Array, inertia: Array) -> Array:
     """The load in the layout `LOAD_ENTRIES`, Shape (10,)."""
     off_diagonal = [inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     return np.array([mass, *first_moment, *np.diag(inertia), *off_diagonal], dtype=np.float64)
-
-
-def range_problem(ranges: Mapping[str, tuple[float, float]]) -> str:
-    """The rule that some ranges break, in a sentence; empty if they break none."""
-    if not ranges:
-        return f"needs at least one range, of {', '.join(PARAMETERS)}."
-    return next(filter(None, (_one_range_problem(name, pair) for name, pair in ranges.items())), "")
-
-
-def _one_range_problem(name: str, pair: Any) -> str:
-    if name not in PARAMETERS:
-        return f"unknown parameter '{name}'{did_you_mean(name, PARAMETERS)} There are {', '.join(PARAMETERS)}."
-    given = list(pair) if isinstance(pair, Sequence) or np.ndim(pair) else []
-    if len(given) != 2 or not all(is_number(end) for end in given):  # noqa: PLR2004 (two ends)
-        return f"{name} = {pair!r} must be two finite numbers, [least, largest]."
-    low, high = map(float, given)
-    nominal = NOMINAL[name]
-    what = "a factor of the nominal value" if name in FACTORS else "a difference from the nominal one"
-    rules = (
-        (low <= high, "the lower value exceeds the upper one"),
-        (name != "mass" or low > 0, "factors of the mass must be > 0; an object without mass is none"),
-        (name not in FACTORS or low >= 0, "factors of a moment of inertia must be >= 0"),
-        (low <= nominal <= high, f"it is {what} and must contain {nominal:g}; change the nominal load or the range"),
-    )
-    broken = next((rule for holds, rule in rules if not holds), None)
-    return f"{name} = [{low:g}, {high:g}]: {broken}." if broken else ""
 
 
 def principal_axes(inertia: Array) -> Array:

@@ -4,9 +4,8 @@
 No key stands twice, numbers are those of YAML 1.2, and no small text means a huge value.
 """
 
-import json
+import math
 import re
-from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 import yaml
@@ -20,12 +19,6 @@ LINE = 110
 
 MAX_YAML_DEPTH = 20
 """A cell file is 5 deep."""
-
-
-PLAIN = re.compile(
-    r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z./][A-Za-z0-9_./-]*[A-Za-z][A-Za-z0-9_./-]*", re.IGNORECASE
-)
-"""Text that needs no quotes in YAML; without a letter it may be a number."""
 
 
 class _StrictLoader(yaml.SafeLoader):
@@ -98,12 +91,13 @@ class _StrictDumper(yaml.SafeDumper):
         return True
 
 
-def yaml_text(value: Any) -> str:
+def yaml_text(value: Any, *, one_line: bool = False) -> str:
     """YAML text of a value, keys in their order, lists of numbers in one line; `parse_yaml` reads the same value."""
+    flow, width = (True, math.inf) if one_line else (None, LINE)
     text: str = yaml.dump(
-        value, Dumper=_StrictDumper, default_flow_style=None, sort_keys=False, allow_unicode=True, width=LINE
+        value, Dumper=_StrictDumper, default_flow_style=flow, sort_keys=False, allow_unicode=True, width=width
     )
-    return text
+    return text.removesuffix("...\n").removesuffix("\n") if one_line else text
 
 
 def parse_yaml(text: str) -> Any:
@@ -121,16 +115,3 @@ def parse_yaml(text: str) -> Any:
         raise ValueError(f"is not valid YAML{place}: {problem}") from None
     except ValueError as error:
         raise ValueError(f"holds a value that YAML cannot read: {error}") from None
-
-
-def flow(value: Any) -> str:
-    """A value on one line of YAML; numbers with all their digits."""
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key}: {flow(part)}" for key, part in value.items()) + "}"
-    if isinstance(value, str):
-        return value if PLAIN.fullmatch(value) else json.dumps(value, ensure_ascii=False)
-    if isinstance(value, Sequence):
-        return "[" + ", ".join(map(flow, value)) + "]"
-    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:  # noqa: PLR2004 (whole without loss)
-        return str(int(value))
-    return json.dumps(value) if value is None or isinstance(value, bool) else repr(value)

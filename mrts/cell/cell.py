@@ -14,14 +14,13 @@ from typing import Annotated, Any, Self
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, as_array, as_path, check_type, is_number
+from mrts.base.errors import InputError, Remark, as_path, check_type, is_number
 from mrts.base.formats.record import MadeAgain, Rule, dumped
-from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.input_file import plain
 from mrts.base.load_box import LoadBox
-from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
+from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.regular_file import is_folder
-from mrts.base.remark import Remark
 from mrts.base.rigid_transform import in_one_place
 from mrts.cell.functions import CellFunctions, compiled_functions
 from mrts.cell.generation import (
@@ -229,14 +228,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         Raises:
             InputError: Unless it is finite with a mass > 0.
         """
-        given = as_array("load", load)
-        if given.shape != (len(LOAD_ENTRIES),) or not np.all(np.abs(given) <= LARGEST_NUMBER) or not given[0] > 0:
-            raise InputError(
-                "load",
-                f"must be {', '.join(LOAD_ENTRIES)}, each at most {LARGEST_NUMBER:.0e} in size, with a mass > 0.",
-                value=load,
-            )
-        return replace(self, load=given, load_box=None)
+        return replace(self, load=load, load_box=None)
 
     def with_variation(self, **ranges: tuple[float, float]) -> Self:
         """The same cell with a load that is known only within ranges.
@@ -257,7 +249,8 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
                 "first moments. Vary the cell's own object, with ranges of mx, my, mz.",
                 value=self.load[1:4].tolist(),
             )
-        return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges))
+        given: Any = plain("variation", ranges)
+        return replace(self, load_box=LoadBox(self.mass, self.inertia, given))
 
     def without_wrench_limits(self) -> Self:
         """The same cell with every contact wrench and its rate unbounded, and hands that hold whatever comes."""

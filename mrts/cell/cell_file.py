@@ -10,10 +10,9 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.record import Angle, Finite, Name, Pose, Positive, Record, Rule, Vector3
-from mrts.base.input_file import plain, read_model, validated
-from mrts.base.load_box import range_problem
+from mrts.base.input_file import FileReference, plain
+from mrts.base.load_box import Variation
 from mrts.base.manifest import MOST, WRENCH_UNITS
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.hands import Bounds, check_contact, limit_sides, one_each, read_contacts
@@ -34,10 +33,6 @@ MOST_POINTS = 100
 MOST_CONTACTS = 20
 """Of one robot."""
 
-Range = tuple[Finite, Finite]
-"""Least and largest value."""
-
-
 PerJoint = Finite | Annotated[list[Finite], Rule(min_length=1)]
 """One number for all joints, or one each."""
 
@@ -57,15 +52,6 @@ POSES = {"base": "T_world_base", "grasp": "T_object_tip"}
 
 OF_ARM = (*POSES, "posture", "torque", "velocity", "acceleration", "wrench", "contact_rate", "contact", "motors")
 """Keys of a robot that say more than its URDF, each by itself."""
-
-
-def check_variation(ranges: dict[str, Range]) -> None:
-    """Check the ranges of what is uncertain of the load, by parameter: docs/uncertain_load.md."""
-    if problem := range_problem(ranges):
-        raise InputError("", problem)
-
-
-Variation = Annotated[dict[str, Range], check_variation]
 
 
 class ObjectDescription(Record):
@@ -292,12 +278,12 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
 
 def read_cell_description(path: Path) -> CellDescription:
     """Read and validate a cell file."""
-    return read_model(path, CellDescription, "cell file")
+    return CellDescription.read_file(path, "cell file")
 
 
 def cell_description(data: object, where: str) -> CellDescription:
     """A dictionary made in Python, validated as a cell file; numpy's numbers as well."""
-    return validated(Path(where), plain(where, data), CellDescription, where)
+    return CellDescription.read(where, plain(where, data), "cell file")
 
 
 def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:

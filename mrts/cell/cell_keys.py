@@ -11,11 +11,9 @@ import numpy as np
 
 from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import resolved_path, write_text_atomically
-from mrts.base.errors import InputError, as_path, check_type, joined
-from mrts.base.formats.file_reference import is_uri
+from mrts.base.errors import NEAREST_INERTIA, InputError, as_path, check_type, joined
 from mrts.base.formats.record import Pose, Record, checked, dumped
-from mrts.base.input_file import plain
-from mrts.base.remark import NEAREST_INERTIA
+from mrts.base.input_file import is_uri, plain
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_text import parse_yaml, yaml_text
 from mrts.cell.cell import Cell

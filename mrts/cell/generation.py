@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mrts.base import version
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError
-from mrts.base.formats.file_reference import FileReference
+from mrts.base.errors import NEAREST_INERTIA, InputError
 from mrts.base.formats.record import read_json
 from mrts.base.formats.urdf import Urdf
+from mrts.base.input_file import FileReference
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
 from mrts.base.regular_file import is_folder, read_regular
-from mrts.base.remark import NEAREST_INERTIA
 from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
 from mrts.cell.robot import Robot

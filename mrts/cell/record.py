@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, Remark
 from mrts.base.formats.record import Name, Pose, Positive, Record, Rule, Shape, check_attributes, read_json
 from mrts.base.formats.surface_text import unpacked_surface
-from mrts.base.input_file import IDENTIFIER, LONGEST_NAME, SMALLEST_NUMBER, read_text
+from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME, SMALLEST_NUMBER, read_text
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import (
     ALWAYS_GENERATED,
@@ -29,7 +29,6 @@ from mrts.base.manifest import (
     Manifest,
     check_source,
 )
-from mrts.base.remark import Remark
 from mrts.cell.points import CarriedThing, PointLimit
 from mrts.cell.robot import Robot
 
@@ -142,7 +141,7 @@ class CellRecord:
     plane: Literal["xy", "xz", "yz"] | None
     wrench_components: tuple[str, ...]
     gravity: Annotated[Array, Shape(3, finite=True)]
-    load: Annotated[Array, Shape(len(LOAD_ENTRIES), finite=True)]
+    load: Annotated[Array, Shape(len(LOAD_ENTRIES), finite=True, least=-LARGEST_NUMBER, most=LARGEST_NUMBER)]
     load_box: LoadBox | None
     power_limit: Positive | None
     object_velocity_limit: Annotated[Array, Shape(2, least=SMALLEST_NUMBER)]

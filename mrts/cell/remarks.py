@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.errors import Remark
 from mrts.base.formats.record import WHOLE_TURN
-from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.base.words import first_names
 from mrts.cell.record import BodyShape, mesh_surface

@@ -13,7 +13,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
-from mrts.base.formats.file_reference import file_of_uri, is_uri
+from mrts.base.input_file import file_of_uri, is_uri
 from mrts.base.regular_file import is_file
 from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors
 from mrts.cell.robot import Robot

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MotionError, Progress, check_type, require_extra
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, MotionError, Progress, Remark, check_type, require_extra
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of

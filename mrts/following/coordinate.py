@@ -6,8 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import NoneType
 
-from mrts.base.errors import InputError, check_type
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, Remark, check_type
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_first, follow_object

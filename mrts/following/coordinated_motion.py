@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, cross, freeze
-from mrts.base.errors import InputError, MotionError, check_type
+from mrts.base.errors import InputError, MotionError, Remark, check_type
 from mrts.base.formats.record import Shape, check_attributes
-from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
 from mrts.following.tracking import FURTHER_STARTS, is_redundant, track_variants

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MotionError
-from mrts.base.remark import Remark
+from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import (
     CoordinatedMotion,

@@ -11,10 +11,9 @@ from typing import Annotated
 import numpy as np
 
 from mrts.base.arrays import Array, apply, rotated, row_products
-from mrts.base.errors import MotionError
+from mrts.base.errors import MotionError, Remark
 from mrts.base.formats.record import Rule, check_attributes
 from mrts.base.manifest import GEOMETRY
-from mrts.base.remark import Remark
 from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import (

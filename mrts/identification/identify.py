@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply, freeze
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError, as_path, check_type, is_number, printable
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, Remark, as_path, check_type, is_number, printable
 from mrts.base.version import __version__
 from mrts.base.words import first_names
 from mrts.base.yaml_text import yaml_text

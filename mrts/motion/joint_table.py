@@ -9,8 +9,7 @@ from typing import Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, is_number
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, Remark, is_number
 from mrts.motion.object_courses import smoothing_remark
 from mrts.motion.object_motion import check_derivatives, noise_allowed
 from mrts.motion.rounded_samples import Spline, joined, smoothing_splines, splines_through

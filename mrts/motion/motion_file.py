@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.errors import InputError, as_path, check_type
 from mrts.base.formats.record import Pose, Record, Rule
-from mrts.base.input_file import plain, read_model, validated
+from mrts.base.input_file import plain
 from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import geodesic_motion, waypoint_motion
@@ -126,14 +126,14 @@ def load_motion(motion: Path | str | Mapping[str, Any], *, smooth: float | None 
 def _read(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
     if isinstance(motion, Mapping):
         path = Path("motion")
-        description = validated(path, plain("motion", motion), MotionDescription, "motion file")
+        description = MotionDescription.read(path, plain("motion", motion), "motion file")
     else:
         path = as_path("motion", motion)
         if is_bag(path):
             return read_joint_trajectories(path, None)
         if path.suffix.lower() == ".csv":
             return read_table(path, None)
-        description = read_model(path, MotionDescription, "motion file")
+        description = MotionDescription.read_file(path, "motion file")
     if description.file is not None:
         return read_table(path.parent / description.file, description.samples, "object")
     if description.joints is not None:
@@ -159,7 +159,7 @@ def described_motion(path: Path | str) -> MotionDescription | None:
     path = as_path("path", path)
     if is_bag(path) or path.suffix.lower() == ".csv":
         return None
-    description = read_model(path, MotionDescription, "motion file")
+    description = MotionDescription.read_file(path, "motion file")
     return description if description.profile is not None else None
 
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, Remark
 from mrts.base.rigid_transform import rotations_from_quaternions, rotations_from_vectors, vectors_from_rotations
 from mrts.motion.object_motion import ObjectMotion, ObjectRates
 from mrts.motion.rounded_samples import Spline, splines_through

@@ -8,10 +8,9 @@ from typing import Annotated, Any
 import numpy as np
 
 from mrts.base.arrays import Array, freeze
-from mrts.base.errors import InputError, check_type
+from mrts.base.errors import InputError, Remark, check_type
 from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.notebook import InNotebooks, NotebookTable
-from mrts.base.remark import Remark
 from mrts.base.rigid_transform import vectors_from_rotations
 
 ORTHOGONAL = 1e-6

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.remark import Remark
+from mrts.base.errors import Remark
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion

@@ -11,10 +11,9 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
-from mrts.base.errors import Progress, check_callable, printable
+from mrts.base.errors import Progress, Remark, check_callable, printable
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook import InNotebooks, NotebookTable
-from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion

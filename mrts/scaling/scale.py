@@ -9,8 +9,7 @@ from functools import partial
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MrtsError, Progress, SolverError, check_callable, check_type
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, MrtsError, Progress, Remark, SolverError, check_callable, check_type
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion

@@ -12,9 +12,18 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
-from mrts.base.errors import InputError, Mistakes, MotionError, Progress, as_path, check_callable, printable
+from mrts.base.errors import (
+    InputError,
+    Mistakes,
+    MotionError,
+    Progress,
+    Remark,
+    Severity,
+    as_path,
+    check_callable,
+    printable,
+)
 from mrts.base.formats.record import dumped
-from mrts.base.remark import Remark, Severity
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell, uncompiled_cell
 from mrts.cell.generation import is_generated, read_without_generating

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import JsonOutput
-from mrts.base.errors import InputError, as_path, check_type, printable
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, Remark, as_path, check_type, printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.errors import MotionError, MrtsError, printable
-from mrts.base.remark import Remark
+from mrts.base.errors import MotionError, MrtsError, Remark, printable
 from mrts.base.rigid_transform import RigidTransform
 from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell

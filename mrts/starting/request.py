@@ -10,9 +10,8 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, is_number
-from mrts.base.formats.file_reference import is_uri, named_in
 from mrts.base.formats.urdf import Urdf
-from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.input_file import LARGEST_NUMBER, is_uri, named_in
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.cell.remarks import urdf_remarks

@@ -20,6 +20,7 @@ from mrts.base.errors import (
     MotionError,
     MrtsError,
     Progress,
+    Remark,
     SolverError,
     as_path,
     check_callable,
@@ -27,7 +28,6 @@ from mrts.base.errors import (
     printable,
 )
 from mrts.base.held_interrupt import held_interrupt
-from mrts.base.remark import Remark
 from mrts.base.words import aligned
 from mrts.cell.number_paths import value_at
 from mrts.collisions.clearance import clearance_remarks

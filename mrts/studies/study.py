@@ -15,9 +15,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array, as_path, check_callable, check_type, printable
-from mrts.base.formats.file_reference import is_uri, named_in
 from mrts.base.formats.record import Finite, Pose, Record, Rule
-from mrts.base.input_file import MAX_FILE_BYTES, read_data, read_text, validated
+from mrts.base.input_file import MAX_FILE_BYTES, is_uri, named_in, read_data, read_text
 from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
@@ -322,7 +321,7 @@ def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
 def _described(path: Path) -> StudyDescription:
     try:
         data = read_data(path, "study file")
-        return validated(path, data, StudyDescription, "study file")
+        return StudyDescription.read(path, data, "study file")
     except InputError as error:
         if not error.rule.endswith("but got '['."):
             raise

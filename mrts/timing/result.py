@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import printable
+from mrts.base.errors import Remark, printable
 from mrts.base.notebook import NotebookTable
-from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName

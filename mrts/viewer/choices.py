@@ -10,7 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.formats.record import Pose
 from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors
-from mrts.base.yaml_text import flow
+from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import CellChange, Changed, machine_of, with_machine_at
 from mrts.cell.cell_keys import cell_keys, pose_keys
@@ -170,7 +170,7 @@ def changed_keys(given: Given, choices: Choices) -> list[str]:
     parts = [("object", before["object"], after["object"])]
     parts += [(f"robots.{new['name']}", old, new) for old, new in zip(before["robots"], after["robots"], strict=True)]
     lines = [
-        f"{where}.{key}: {flow(value)}"
+        f"{where}.{key}: {yaml_text(value, one_line=True)}"
         for where, old, new in parts
         for key, value in new.items()
         if value != old[key] and key != "contact"
@@ -180,5 +180,5 @@ def changed_keys(given: Given, choices: Choices) -> list[str]:
         for (kind, robot, element), share in choices.limits.items()
         if kind == "contact"
     ]
-    ends = {place.kind: flow(pose_keys(pose)) for place, pose in choices.poses(given).items() if not place.robot}
-    return [*lines, *(f"{end}: {pose}" for end, pose in ends.items())]
+    ends = {place.kind: pose_keys(pose) for place, pose in choices.poses(given).items() if not place.robot}
+    return [*lines, *(f"{end}: {yaml_text(keys, one_line=True)}" for end, keys in ends.items())]

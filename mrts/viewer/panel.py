@@ -6,8 +6,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from mrts.base.errors import MrtsError, html_text
-from mrts.base.remark import Remark
+from mrts.base.errors import MrtsError, Remark, html_text
 from mrts.collisions.clearance import Clearance
 from mrts.plots.card import Card
 from mrts.scaling.limit_use import Nearness

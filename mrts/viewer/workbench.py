@@ -11,8 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from queue import SimpleQueue
 
-from mrts.base.errors import MotionError, MrtsError, Progress
-from mrts.base.remark import Remark
+from mrts.base.errors import MotionError, MrtsError, Progress, Remark
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion

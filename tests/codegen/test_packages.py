@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from mrts.base.errors import InputError
-from mrts.base.formats.file_reference import FileReference, file_of_uri
+from mrts.base.input_file import FileReference, file_of_uri
 
 pytestmark = pytest.mark.quick
 

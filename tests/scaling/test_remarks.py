@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.base.remark import Remark
+from mrts.base.errors import Remark
 from mrts.motion.object_courses import geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.report import report_html

@@ -19,9 +19,8 @@ from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dat
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, Mistakes, as_array, did_you_mean
-from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME, SMALLEST_NUMBER
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, Mistakes, Remark, as_array, did_you_mean
+from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME, SMALLEST_NUMBER, check_kind, read_data
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rotations_from_quaternions, snap_rotation
 
 TYPES = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
@@ -185,9 +184,20 @@ class Record:
         return record
 
     @classmethod
-    def read(cls, where: Path | str, data: dict[Any, Any]) -> Self:
-        """The record that a mapping of a file describes."""
+    def read_file(cls, path: Path, what: str) -> Self:
+        """The record that a YAML file holds, such as a "cell file".
+
+        Raises:
+            InputError: If the file is missing, not YAML, or breaks a rule.
+        """
+        return cls.read(path, read_data(path, what), what)
+
+    @classmethod
+    def read(cls, where: Path | str, data: object, what: str = "") -> Self:
+        """The record that a file or a dictionary describes; errors name `where`."""
         try:
+            if isinstance(data, dict):
+                check_kind(data, what)
             return cls.model_validate(data)
         except InputError as error:
             raise error.inside(where) from None

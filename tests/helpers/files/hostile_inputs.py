@@ -32,7 +32,7 @@ def read(kind: str, path: Path) -> None:
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
         from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
 
-        from mrts.base.formats.file_reference import FileReference  # noqa: PLC0415
+        from mrts.base.input_file import FileReference  # noqa: PLC0415
 
         content = FileReference(path.name).content(path, path.parent)
         build_robot_model(path, parse_urdf(path, content), "base", "tip")
