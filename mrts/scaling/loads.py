@@ -275,16 +275,12 @@ def _searched(
     missed: set[int] = set()
     for side, samples in wanted.items():
         assert best.loads is not None  # noqa: S101 (made from points)
-        corners = best.loads[SIDES.index(side)]
-        tried, c2, success = (
-            [box.nominal_point()] * motion.samples,
-            np.zeros(len(samples)),
-            np.zeros(len(samples), bool),
-        )
+        corners, c2 = best.loads[SIDES.index(side)], np.zeros(len(samples))
+        tried = [box.nominal_point()] * motion.samples
         for place, sample in enumerate(samples.tolist()):
             corner = np.array([corners[sample].parameters[name] for name in varying])
             known = float(getattr(best, side)[sample])
-            share, c2[place], success[place] = search(sample, side, known, (corner - low) / (high - low))
+            share, c2[place] = search(sample, side, known, (corner - low) / (high - low))
             values = np.clip(low + share * (high - low), low, high).tolist()
             parameters = dict(zip(varying, values, strict=True))
             tried[sample] = LoadPoint(parameters, box.load_at(parameters))
@@ -294,8 +290,8 @@ def _searched(
         checked = sample_ranges(build_sample_problem(rows, load=loads), motion.object.time, solver)
         checked = replace(checked, loads=(tried, tried))
         reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
-        promised = success & ~(sign * (c2 - reached[samples]) <= ACHIEVED_TOLERANCE * np.abs(c2))
-        missed |= set(samples[promised | (~success & np.isfinite(best.lower[samples]))].tolist())
+        kept = sign * (c2 - reached[samples]) <= ACHIEVED_TOLERANCE * np.abs(c2)
+        missed |= set(samples[~kept & (np.isfinite(c2) | np.isfinite(best.lower[samples]))].tolist())
         carried = np.isfinite(checked.lower)
         left = tuple(conflict for conflict in best.conflicts if not carried[conflict.sample])
         best = replace(combined_ranges((None, None), (best, checked), every=False), conflicts=left)
@@ -304,7 +300,7 @@ def _searched(
 
 def load_search(
     problem: SampleProblem, others: Sequence[SampleProblem]
-) -> Callable[[int, Side, float, Array], tuple[Array, float, bool]]:
+) -> Callable[[int, Side, float, Array], tuple[Array, float]]:
     """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
 
     Unknowns are those of the linear program with c for c², and the uncertain parameters as shares s in [0, 1] of their
@@ -316,7 +312,7 @@ def load_search(
         others: Rows with one parameter at its largest value, one problem a parameter.
 
     Returns:
-        Of a sample, a side, the c² known of it and a corner: shares of the parameters, c² and whether IPOPT converged.
+        Of a sample, a side, the c² known of it and a corner: shares of the parameters, and c²; NaN if IPOPT found none.
     """
     import casadi as ca  # noqa: PLC0415 (only here: this is the nonlinear program)
 
@@ -344,7 +340,7 @@ def load_search(
     }
     solve = ca.nlpsol("possible_load", "ipopt", program, IPOPT_OPTIONS)
 
-    def found(sample: int, sign: float, c: float, s: Array) -> tuple[Array, float, bool]:
+    def found(sample: int, sign: float, c: float, s: Array) -> tuple[Array, float]:
         A, a, b = matrix[sample], square[sample], root[sample]
         lower, upper, da, do = problem.lower[sample], problem.upper[sample], squares[:, sample], offsets[:, sample]
         rest = (a + s @ da) * c**2 + b * c + s @ do
@@ -359,13 +355,12 @@ def load_search(
                 ubg=upper,
             )
         z = answer["x"].full()[:, 0]
-        shares = np.clip(np.nan_to_num(z[free + 1 :], nan=0.5), 0.0, 1.0)
-        c2 = float(z[free] ** 2 * unit[sample])
-        return shares, c2 if np.isfinite(c2) else sign * np.inf, bool(solve.stats()["success"])
+        c2 = float(z[free] ** 2 * unit[sample]) if solve.stats()["success"] else np.nan
+        return np.clip(np.nan_to_num(z[free + 1 :], nan=0.5), 0.0, 1.0), c2
 
-    def best(sample: int, side: Side, known: float, corner: Array) -> tuple[Array, float, bool]:
+    def best(sample: int, side: Side, known: float, corner: Array) -> tuple[Array, float]:
         sign, start = 1.0 if side == "lower" else -1.0, np.sqrt(known / unit[sample]) if np.isfinite(known) else 1.0
         tried = [found(sample, sign, float(start), s) for s in (corner, np.full(count, 0.5))]
-        return min(tried, key=lambda one: (not one[2], sign * one[1]))
+        return min(tried, key=lambda one: (np.isnan(one[1]), sign * one[1]))
 
     return best

@@ -105,24 +105,21 @@ class StudyFolder:
         files = ((number, self.part(number)) for number in range(self.chunks))
         return {number: path for number, path in files if path.exists()}
 
-    def rows(self, pieces: Sequence[Mapping[str, list[Any] | Array]]) -> "pa.Table":
-        """Rows as a table, where a NaN is no value.
+    def write(self, number: int, pieces: Sequence[Mapping[str, list[Any] | Array]]) -> None:
+        """Write the rows of a chunk, whole or not at all.
 
         Args:
-            pieces: One after the other, each its columns by name.
-        """
-        import pyarrow as pa  # noqa: PLC0415 (an extra)
-
-        arrays = [[pa.array(piece[each.name], each.type, from_pandas=True) for each in self.schema] for piece in pieces]
-        return pa.concat_tables([pa.Table.from_arrays(columns, schema=self.schema) for columns in arrays])
-
-    def write(self, number: int, rows: "pa.Table") -> None:
-        """Write the rows of a chunk, whole or not at all.
+            number: Of the chunk.
+            pieces: One after the other, each its columns by name; a NaN is no value.
 
         Raises:
             InputError: If the file cannot be written.
         """
-        import pyarrow.parquet as pq  # noqa: PLC0415 (an extra)
+        import pyarrow as pa  # noqa: PLC0415 (an extra)
+        import pyarrow.parquet as pq  # noqa: PLC0415
+
+        arrays = [[pa.array(piece[each.name], each.type, from_pandas=True) for each in self.schema] for piece in pieces]
+        rows = pa.concat_tables([pa.Table.from_arrays(columns, schema=self.schema) for columns in arrays])
 
         def write(temporary: Path) -> None:
             with temporary.open("wb") as file:

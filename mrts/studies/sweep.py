@@ -82,7 +82,7 @@ def solve_study(
         if missing:
             with closing(solved_chunks(study, missing, workers, scheduler)) as coming:
                 for chunk, pieces in coming:
-                    folder.write(chunk.start // folder.chunk, folder.rows(pieces))
+                    folder.write(chunk.start // folder.chunk, pieces)
                     done += len(chunk)
                     progress(done, folder.variants)
         return folder

@@ -123,7 +123,6 @@ def _dask_cluster(scheduler: str) -> Iterator[WorkerPool]:
         rule = "no Dask scheduler answers there: it is no address. Name one as tcp://HOST:PORT."
         raise InputError("scheduler", rule, value=scheduler)
     distributed = import_module("distributed")
-    deaths = (distributed.scheduler.KilledWorker,)
     with ExitStack() as stack:
         for talkative in map(logging.getLogger, ("distributed", "distributed.client")):  # workers that come and go
             stack.callback(talkative.setLevel, talkative.level)
@@ -138,9 +137,7 @@ def _dask_cluster(scheduler: str) -> Iterator[WorkerPool]:
             logger.warning("the cluster at %s has no workers: waiting for them", scheduler)
         submit = client.get_executor(pure=False).submit
         try:
-            yield WorkerPool(submit, lambda: sum(client.nthreads().values()), deaths)
-        except deaths:
-            raise
+            yield WorkerPool(submit, lambda: sum(client.nthreads().values()), (distributed.scheduler.KilledWorker,))
         except (OSError, RuntimeError, CancelledError):
             raise InputError("scheduler", GONE, value=scheduler) from None
 
@@ -206,24 +203,20 @@ def solved_chunks(
         rule = "must be functions of a module that workers can import, not of another function, and no lambda."
         raise InputError("study: limits", rule) from None
     coming, complete = iter(chunks), False
-    suspects: list[range] = []  # in flight when a worker ended
+    suspects: list[range] = []  # in flight, now or when a worker ended
     while not complete:
-        started: set[range] = set()
         running: dict[Future[list[Columns]], range] = {}
-        with worker_pool(workers, scheduler) as pool:
-            try:
-                while not complete:
-                    for chunk in islice(coming, max(0, CHUNKS_A_WORKER * max(1, pool.size()) - len(running))):
-                        started.add(chunk)
-                        running[pool.submit(solve_chunk, pickled, __version__, chunk)] = chunk
-                    complete = not running
-                    for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
-                        pieces = future.result()
-                        chunk = running.pop(future)
-                        started.remove(chunk)
-                        yield chunk, pieces
-            except pool.deaths:
-                suspects += started
+        with worker_pool(workers, scheduler) as pool, suppress(*pool.deaths):
+            while not complete:
+                for chunk in islice(coming, max(0, CHUNKS_A_WORKER * max(1, pool.size()) - len(running))):
+                    suspects.append(chunk)
+                    running[pool.submit(solve_chunk, pickled, __version__, chunk)] = chunk
+                complete = not running
+                for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
+                    pieces = future.result()
+                    chunk = running.pop(future)
+                    suspects.remove(chunk)
+                    yield chunk, pieces
     for chunk in suspects:
         yield chunk, _alone(study, pickled, (workers, scheduler), chunk)
 

@@ -27,7 +27,7 @@ HEAVY = ("numpy", "casadi", "scipy", "pydantic", "yaml", "matplotlib", "mrts_cod
 
 
 ELSEWHERE = ("mrts view", "tcp://", "mrts demo -o")
-"""Examples that other tests run: one serves until Ctrl-C, see test_viewer.py; a cluster is in test_dask.py; the demo
+"""Examples that other tests run: one serves until Ctrl-C, see test_viewer.py; a cluster is in test_sweep.py; the demo
 takes seconds, see test_command_line.py."""
 
 STUDY = """

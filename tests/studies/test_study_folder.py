@@ -31,7 +31,7 @@ def columns(study):
 def complete(study, columns, tmp_path):
     with opened_study_folder(tmp_path / "out", study, lambda: CHUNK) as folder:
         for number, piece in enumerate(columns):
-            folder.write(number, folder.rows([piece]))
+            folder.write(number, [piece])
     return folder
 
 

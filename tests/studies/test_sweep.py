@@ -1,16 +1,19 @@
-"""A study solved by processes of this machine: the same table whoever solves it, and after whatever end."""
+"""A study solved by processes of this machine or a Dask cluster: the same table whoever solves it, whatever ends."""
 
 import os
 import shutil
 import signal
+import sys
 import time
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
+from conftest import DATA
 from faulty_study import faulty
 from own_limits import tenth
 from study_files import planar_study
-from sweep_processes import assert_same_table, driver_command, parts, processes, started, until
+from sweep_processes import assert_same_table, driver_command, kill, parts, processes, started, until, workers
 
 import mrts
 import mrts.studies.sweep as engine
@@ -120,3 +123,43 @@ def test_a_limit_given_in_python_is_kept_by_workers_or_refused(tmp_path):
     assert mrts.sweep(own.with_limits(tenth), workers=1)["status"].to_pylist() == ["infeasible", "infeasible"]
     with pytest.raises(mrts.InputError, match="study: limits: must be functions of a module that workers can import"):
         mrts.sweep(own.with_limits(lambda _cell, _motion: None), workers=1)
+
+
+LOCALLY = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show")
+SCHEDULER = [sys.executable, "-m", "distributed.cli.dask_scheduler", *LOCALLY]
+WORKER = [sys.executable, "-m", "distributed.cli.dask_worker", "--no-dashboard"]
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Address of a scheduler with a worker of two threads, whose cache is its own; and the worker's session."""
+    folder = tmp_path_factory.mktemp("cluster")
+    with ExitStack() as stack:
+        told = stack.enter_context(started(SCHEDULER)).stderr
+        address = until(lambda: next((word for word in told.readline().split() if "tcp://" in word), None))
+        environment = os.environ | {"MRTS_CACHE_DIR": str(folder)}
+        command = [*WORKER, address, "--nthreads", "2", "--local-directory", str(folder)]
+        session = stack.enter_context(started(command, env=environment)).pid
+        until(lambda: workers(session))
+        yield address, session
+
+
+@pytest.mark.quick
+def test_a_cluster_gives_the_same_bits_though_a_worker_is_killed(cluster, alone, tmp_path):
+    """The study's cell file and URDF are gone once it is read, as on another machine."""
+    for name in ("cell.yaml", "planar_arm.urdf"):
+        shutil.copy(DATA / name, tmp_path)
+    study = planar_study(tmp_path, STUDY, cell=tmp_path / "cell.yaml")
+    (tmp_path / "cell.yaml").unlink()
+    (tmp_path / "planar_arm.urdf").unlink()
+    (address, session), out, done = cluster, tmp_path / "out", []
+
+    def kill_one(solved, _variants):
+        done.append(solved)
+        if len(done) == 3:
+            kill(workers(session)[0])
+
+    table = mrts.sweep(study, out, scheduler=address, progress=kill_one)
+    assert_same_table(table, alone)
+    assert len(parts(out)) == 12
+    assert done[-1] == study.variants
