@@ -11,7 +11,6 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -183,15 +182,13 @@ def effective_parameters(
         return [terms[part] for part in parts]  # compared each by itself: how fast the motion is given does not move Q
 
     nominal = wrenches(box.nominal_point().load)
-    found = []
-    for name in box.varying:
+
+    def has_effect(name: str) -> bool:
         ends = [wrenches(box.load_at({name: end})) for end in box.ranges[name]]
-        for end, part in product(ends, range(len(parts))):
-            change = float(np.max(np.abs(end[part] - nominal[part])))
-            if change > INERT * float(np.max(np.abs(nominal[part]))):
-                found.append(name)
-                break
-    return tuple(found)
+        pairs = [pair for end in ends for pair in zip(end, nominal, strict=True)]
+        return any(np.max(np.abs(of - known)) > INERT * np.max(np.abs(known)) for of, known in pairs)
+
+    return tuple(filter(has_effect, box.varying))
 
 
 def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:

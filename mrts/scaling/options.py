@@ -4,9 +4,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import NoneType
-from typing import Any, Literal, Self
-
-import numpy as np
+from typing import Literal, Self
 
 from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array, check_type
@@ -56,11 +54,6 @@ class Options(EqualByNumbers):
     def rows(self, cell: Cell, motion: CoordinatedMotion) -> MotionRows:
         """The limits of a cell along a motion, as the programs that are asked for take them."""
         return motion_rows(cell, motion, self.sharing, self.formulation)
-
-    def to_json(self, cell: Cell) -> dict[str, Any]:
-        """Entries of the JSON result: how torques are distributed, and what is kept free of limits."""
-        weights = None if self.weights is None else np.asarray(self.weights).tolist()
-        return {"distribute": self.distribute, "weights": weights, "kept_reserve": cell.reserve}
 
     def checked(self, cell: Cell) -> Self:
         """The same with what "auto" asks of the load of a cell.

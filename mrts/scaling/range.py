@@ -120,31 +120,26 @@ class ScalingRange:
             load = "" if worst.load is None else f" with {worst.load}"
             where = f"at {len(conflicts)} of {len(self.samples.time)} samples; at t = {worst.time:.4g} s{load}"
             return f"{where} {row_labels(worst.rows)} conflict"
-        empty = self.status is RangeStatus.EMPTY and self.lower and self.upper
-        return contradiction(self.lower, self.upper).rstrip(".") if empty and self.lower and self.upper else ""
+        return self._contradiction().rstrip(".")
 
     def explain(self) -> str:
         """Why no c² is admissible (the message of step 3.2); empty if some is."""
+        conflicts, text = self.samples.conflicts, self._contradiction()
         if self.status is RangeStatus.INFEASIBLE:
-            conflicts = self.samples.conflicts
             worst = max(conflicts, key=lambda conflict: conflict.widening)
             text = f"{len(conflicts)} of {len(self.samples.time)} samples are infeasible. The worst: {worst}."
-        elif self.status is RangeStatus.EMPTY and self.lower and self.upper:
-            text = contradiction(self.lower, self.upper)
-            if self.samples.several:
-                text += (
-                    " Of several intervals of a sample its highest is meant: lower ones have nothing in common either."
-                )
-        else:
+        elif text and self.samples.several:
+            text += " Of several intervals of a sample its highest is meant: lower ones have nothing in common either."
+        return text and f"{text} {self.status.advice}"
+
+    def _contradiction(self) -> str:
+        """Why no c² is in all ranges: the least of one sample is above the largest of another; empty if some is."""
+        slow, fast = self.lower, self.upper
+        if self.status is not RangeStatus.EMPTY or slow is None or fast is None:
             return ""
-        return f"{text} {self.status.advice}"
-
-
-def contradiction(slow: RangeEnd, fast: RangeEnd) -> str:
-    """Why no c² is in all ranges: the least of one sample is above the largest of another."""
-    text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
-    rated = any(row.name.kind in RATES for row in (*slow.rows, *fast.rows))
-    return f"a rate is too small: {text}" if rated else text
+        text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
+        rated = any(row.name.kind in RATES for row in (*slow.rows, *fast.rows))
+        return f"a rate is too small: {text}" if rated else text
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a given motion before trusting its range, and of a plan's torques before playing it."""
 
+from itertools import compress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -181,10 +182,9 @@ def plan_remarks(result: "ScalingResult") -> tuple[Remark, ...]:
     done = result.trajectory
     if done is None:
         return ()
-    remarks = _unheld(done) + overload_remarks(done)
-    if result.options.rates is not None:
-        remarks += _steps_at_ends(result.motion)
-    else:
+    rated = result.options.rates is not None
+    remarks = _pushing(done, rated=rated) + overload_remarks(done)
+    if not rated:
         advice = "--rates cell keeps them, at a speed that varies --profile smooth (in Python rates=True)."
         remarks += _passing(rate_uses(result), "rate-passed", f"Rates are reported only; {advice}")
     if not result.cell.enforces_velocity_limits:
@@ -193,24 +193,29 @@ def plan_remarks(result: "ScalingResult") -> tuple[Remark, ...]:
     return remarks
 
 
-def _unheld(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    """Where a controller needs torques that hold the object still and there are none."""
-    if done.holding is None:
-        return ()
-    motion = done.motion
-    ends = zip(
-        ("starts", "ends"), ("begin", "end"), pushing_ends(motion.dq, motion.ddq), done.holding.ends, strict=True
-    )
-    return tuple(
+def _pushing(done: ScaledTrajectory, *, rated: bool) -> tuple[Remark, ...]:
+    """What a controller must know of ends at which the motion rests but accelerates; whether rates are kept counts."""
+    needed, last = pushing_ends(done.motion.dq, done.motion.ddq), done.motion.samples - 1
+    held = needed if done.holding is None else done.holding.ends
+    ends = zip(("starts", "ends"), ("begin", "end"), (0, last), needed, held, strict=True)
+    remarks = tuple(
         Remark(
             "no-row-at-rest",
             f"the limits do not let the cell hold still where the motion {does}, so tables and bags {do} with the "
             "torques of the motion: a controller must not stay there.",
-            0 if does == "starts" else motion.samples - 1,
+            sample,
         )
-        for does, do, needed, held in ends
-        if needed and not held
+        for does, do, sample, pushes, holds in ends
+        if pushes and not holds
     )
+    if not rated or not any(needed):
+        return remarks
+    text = (
+        f"the motion {' and '.join(compress(('starts', 'ends'), needed))} at rest but accelerates there, so torques "
+        "jump from or to those that hold still, at every speed. The rates are kept in between; a profile that starts "
+        "and ends without acceleration (quintic, or --profile smooth) has no such jump."
+    )
+    return (*remarks, Remark("step-at-ends", text))
 
 
 def overload_remarks(done: ScaledTrajectory) -> tuple[Remark, ...]:
@@ -248,16 +253,3 @@ def _passing(uses: list[LimitUse], code: str, advice: str) -> tuple[Remark, ...]
         f"{100 * worst.share:.0f} % of its limit{also}. {advice}"
     )
     return (Remark(code, text),)
-
-
-def _steps_at_ends(motion: CoordinatedMotion) -> tuple[Remark, ...]:
-    first, last = pushing_ends(motion.dq, motion.ddq)
-    if not (first or last):
-        return ()
-    where = " and ".join(word for word, pushes in (("starts", first), ("ends", last)) if pushes)
-    text = (
-        f"the motion {where} at rest but accelerates there, so torques jump from or to those that hold still, at every "
-        "speed. The rates are kept in between; a profile that starts and ends without acceleration (quintic, or "
-        "--profile smooth) has no such jump."
-    )
-    return (Remark("step-at-ends", text),)

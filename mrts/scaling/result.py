@@ -135,11 +135,14 @@ class Result(InNotebooks, JsonOutput):
     def said_json(self) -> dict[str, Any]:
         """Entries of the JSON result that every outcome has."""
         changes = {} if self.changes is None else {"what_if": self.changes.to_json()}
+        weights = None if self.options.weights is None else np.asarray(self.options.weights).tolist()
         return {
             "cell": self.cell.name,
             "summary": self.sentence(),
             "warnings": [warning.to_json() for warning in self.warnings],
-            **self.options.to_json(self.cell),
+            "distribute": self.options.distribute,
+            "weights": weights,
+            "kept_reserve": self.cell.reserve,
             **changes,
         }
 

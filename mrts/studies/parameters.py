@@ -4,7 +4,6 @@
 Points are those of a grid or of a Sobol sequence, any block by itself.
 """
 
-import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,6 +17,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.record import Finite, Record, Rule
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
+from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.number_paths import (
     Keys,
@@ -114,10 +114,6 @@ class Target:
     factor: float = 1.0
     offset: float = 0.0
 
-    def value(self, at: float) -> float:
-        """The number where the parameter has a value."""
-        return self.offset + self.factor * at
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -133,8 +129,7 @@ class Parameter:
 
     def __str__(self) -> str:
         paths = [target.path for target in self.targets]
-        more = f" and {len(paths) - PATHS_SHOWN} more" if len(paths) > PATHS_SHOWN else ""
-        moved = "" if paths == [self.path] else f" ({', '.join(paths[:PATHS_SHOWN])}{more})"
+        moved = "" if paths == [self.path] else f" ({first_names(paths, PATHS_SHOWN)})"
         return f"{self.path}{moved}: {self.distribution.text(self.unit)}"
 
 
@@ -250,22 +245,18 @@ def _parameter(name: str, value: object, sample: SampleName, files: dict[str, An
     distribution = entry.distribution(sample)
     moves = {move: getattr(entry, move) for move in MOVES if getattr(entry, move) is not None}
     if moves:
-        _check_name(name)
+        if not re.fullmatch(IDENTIFIER, name) or len(name) > LONGEST_NAME or name in RESERVED_NAMES:
+            rule = (
+                "is the name of a parameter that moves several numbers, and heads a column: letters, digits and single "
+                f"underscores, at most {LONGEST_NAME}, and none of {', '.join(RESERVED_NAMES)}"
+            )
+            raise InputError("", f"{rule}.")
         targets = tuple(target for move, listed in moves.items() for target in _targets(move, listed, files, cell))
     else:
         targets = (_target(files, cell, name),)
     units = {target.unit for target in targets}
     unit = units.pop() if len(units) == 1 and "scales" not in moves else ""  # a factor has none
     return Parameter(name if moves else targets[0].path, unit, distribution, targets)
-
-
-def _check_name(name: str) -> None:
-    if not re.fullmatch(IDENTIFIER, name) or len(name) > LONGEST_NAME or name in RESERVED_NAMES:
-        rule = (
-            "is the name of a parameter that moves several numbers, and heads a column: letters, digits and single "
-            f"underscores, at most {LONGEST_NAME}, and none of {', '.join(RESERVED_NAMES)}"
-        )
-        raise InputError("", f"{rule}.")
 
 
 def _targets(move: str, listed: list[str] | dict[str, float], files: dict[str, Any], cell: Cell) -> Iterator[Target]:
@@ -313,11 +304,6 @@ def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float 
     if keys == ("motion", "samples"):
         raise InputError("", f"{text} says how finely the motion is looked at, and does not vary.")
     return Target(text, keys, number_unit(keys, cell.robots, cell.wrench_units), factor, offset)
-
-
-def grid_size(distributions: Sequence[Distribution]) -> int:
-    """Number of points of the grid."""
-    return math.prod(len(each.numbers) for each in distributions)
 
 
 def sample_points(

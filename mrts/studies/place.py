@@ -79,11 +79,9 @@ WORTH_A_STEP = 1e-6
 KEPT_PROMISE = 0.5
 """Share of a promise which a step that may go further keeps."""
 
-OTHER_POSITIONS = 1e-2
-"""Share of c²⁺ by which a layout that does worse than promised may do so because arms took other joint positions."""
-
-POSTURE_DIGITS = 4
-"""Decimals of a posture that is written to keep joint positions; it only says near which to start."""
+NO_EFFECT = 1e-3
+"""Shares of limits per m or rad below which a number changes no row: what rounding leaves of a posture, which only says
+near which joint positions to start. Such a number stays, or it would lead the arms elsewhere for nothing."""
 
 NOT_A_LAYOUT = (
     "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
@@ -99,14 +97,12 @@ class PlayedLayout:
         keys: Keys and values of its cell file.
         values: Of the numbers of the study, Shape (P,): those of the cell file, where no values give that, the nearest.
         result: What `mrts.scale` finds, between the samples too.
-        postures: By robot, where they are not the study's [rad or m]; None where they are.
         collisions: What is to say of them.
     """
 
     keys: dict[str, Any]
     values: Array
     result: ScalingResult
-    postures: dict[str, list[float]] | None = None
     collisions: tuple[Remark, ...] = ()
 
     @property
@@ -184,21 +180,14 @@ class Placement:
         yield from (remark.text for remark in after.collisions)
 
     def moved(self) -> list[tuple[str, str, float, float]]:
-        """Path, unit, value before and after of each number that the study sets, and of postures that followed."""
+        """Path, unit, value before and after of each number that the study sets."""
         assert self.after is not None  # noqa: S101 (asked for of an answer only)
         ours, theirs = ({"cell": keys} for keys in (self.study.cell, self.after.keys))
         targets = [target for parameter in self.study.parameters for target in parameter.targets]
-        moved = [
+        return [
             (target.path, target.unit, float(value_at(ours, target.keys)), float(value_at(theirs, target.keys)))
             for target in targets
         ]
-        named = {path for path, *_ in moved}
-        for own, new in zip(self.study.cell["robots"], self.after.keys["robots"], strict=True):
-            for joint, pair in enumerate(zip(own["posture"], new["posture"], strict=True)):
-                path = f"robots.{own['name']}.posture[{joint}]"
-                if path not in named and pair[0] != pair[1]:
-                    moved.append((path, "", *pair))
-        return moved
 
     def write(self, path: Path | str) -> None:
         """Write the cell file of the best layout, whole or not at all; comments of the study's own are not in it.
@@ -271,9 +260,10 @@ def layout_program(
         return over[kept]
 
     by_layout = np.stack([beyond(problems) - beyond(here) for problems in beside], axis=1) / steps
+    has_effect = np.max(np.abs(by_layout), axis=0, initial=0.0) > NO_EFFECT
 
     def best_change(lower: Array, upper: Array) -> tuple[Array, float]:
-        found = solved(by_layout, np.stack([lower, upper], axis=1))
+        found = solved(by_layout, np.stack([lower, upper], axis=1) * has_effect[:, None])
         return found.x[-len(lower) :], float(found.x[0])
 
     return best_change
@@ -369,7 +359,7 @@ class LayoutSearch:
         self.failures: list[str] = []
         self.machines = self.study.cell_of(self.study.cell).machines
         self.as_given, is_layout = _nearest_given(study)
-        self.given = self._scaled(self.study.cell, self.as_given, None)
+        self.given = self._scaled(self.study.cell, self.as_given)
         if self.given is not None and is_layout:
             self.found.append(self.given)
 
@@ -390,15 +380,9 @@ class LayoutSearch:
             progress(looked_at + number, looked_at + starts)
             self.improve(start)
 
-    def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> PlayedLayout | None:
-        """What the cell can do at values, Shape (P,), with postures in place of the study's; None if nothing."""
-        return self._scaled(self._keys(values, postures), values, postures)
-
-    def _keys(self, values: Array, postures: dict[str, list[float]] | None) -> dict[str, Any]:
-        keys = self.study.descriptions(values)[0]
-        for robot in keys["robots"]:
-            robot["posture"] = (postures or {}).get(robot["name"], robot["posture"])
-        return keys
+    def tried(self, values: Array) -> PlayedLayout | None:
+        """What the cell can do at values, Shape (P,); None if nothing."""
+        return self._scaled(self.study.descriptions(values)[0], values)
 
     def _rounded(self, values: Array) -> Array:
         """Values as they are written, within their bounds and at a bound that they round to, Shape (…, P)."""
@@ -407,13 +391,7 @@ class LayoutSearch:
             rounded = np.where(np.abs(values - bound) < 10.0**-DIGITS / 2, bound, rounded)
         return rounded
 
-    def _scaled(
-        self,
-        keys: dict[str, Any],
-        values: Array,
-        postures: dict[str, list[float]] | None,
-        between: float | None = None,
-    ) -> PlayedLayout | None:
+    def _scaled(self, keys: dict[str, Any], values: Array, between: float | None = None) -> PlayedLayout | None:
         asked = self.study.question
         try:
             cell = self.study.cell_of(keys)
@@ -427,7 +405,7 @@ class LayoutSearch:
         except MrtsError as error:
             self.failures.append(str(error))
             return None
-        return PlayedLayout(keys, values, result, postures)
+        return PlayedLayout(keys, values, result)
 
     def improve(self, start: PlayedLayout) -> None:
         """Search from a layout; what the cell can play on the way joins those that were found."""
@@ -445,7 +423,7 @@ class LayoutSearch:
                 break
             if promised < best.c2 * (1 + WORTH_A_STEP):
                 break
-            reached = self._reached(best, self._rounded(best.values + change), promised)
+            reached = self.tried(self._rounded(best.values + change))
             gain = -1.0 if reached is None else (reached.c2 - best.c2) / (promised - best.c2)
             reach *= 2.0 if gain > KEPT_PROMISE else 0.5 if gain > 0 else 0.25
             if reached is not None and gain > 0:
@@ -464,7 +442,7 @@ class LayoutSearch:
         near = np.flatnonzero(result.range.samples.upper <= NEAR * layout.c2)
 
         def problems(values: Array) -> list[SampleProblem]:
-            cell = self.study.cell_of(self._keys(values, layout.postures))
+            cell = self.study.cell_of(self.study.descriptions(values)[0])
             cell = cell if self.study.question.reserve is None else cell.with_reserve(self.study.question.reserve)
             rows = motion_rows(cell, coordinate(cell, self.motion))
             loads = [None if point is None else point.load for point in result.loads]
@@ -473,19 +451,6 @@ class LayoutSearch:
         steps = np.where(layout.values + DIFFERENCE > self.upper, -DIFFERENCE, DIFFERENCE)
         beside = [problems(layout.values + step) for step in np.diag(steps)]
         return layout_program(problems(layout.values), beside, steps, layout.c2)
-
-    def _reached(self, start: PlayedLayout, values: Array, promised: float) -> PlayedLayout | None:
-        """What the cell does in a layout; None where it can do nothing.
-
-        Where its postures lead the arms elsewhere than in the program, these are the first joint positions there.
-        """
-        reached = self.tried(values, start.postures)
-        if reached is None or reached.c2 < promised * (1 - OTHER_POSITIONS):
-            q, parts = start.result.motion.q[0], start.result.cell.joint_slices.items()
-            again = self.tried(values, {name: np.round(q[part], POSTURE_DIGITS).tolist() for name, part in parts})
-            if again is not None and (reached is None or again.c2 > reached.c2 * (1 + OTHER_POSITIONS)):
-                return again
-        return reached
 
     def best_played(self) -> PlayedLayout | None:
         """The best that can be played between the samples too, less what moved for nothing; or that of the file."""
@@ -499,7 +464,7 @@ class LayoutSearch:
         for place, value in enumerate(self.as_given):
             moved = np.where(np.arange(len(self.as_given)) == place, value, best.values)
             if moved[place] != best.values[place]:
-                tried = self.tried(moved, best.postures)
+                tried = self.tried(moved)
                 if tried is not None and tried.c2 >= best.c2 * (1 - NO_GAIN):
                     best = tried
         return best
@@ -517,7 +482,7 @@ class LayoutSearch:
 
     def played(self, layout: PlayedLayout) -> PlayedLayout | None:
         """A layout between the samples too; None if it cannot be played there."""
-        return self._scaled(layout.keys, layout.values, layout.postures, self.between)
+        return self._scaled(layout.keys, layout.values, self.between)
 
 
 def layout_bounds(study: Study) -> tuple[Array, Array]:

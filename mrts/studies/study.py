@@ -3,6 +3,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, replace
@@ -33,7 +34,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.scaling.loads import mass_grid
 from mrts.scaling.options import Options
-from mrts.studies.parameters import MAX_VARIANTS, Parameter, SampleName, grid_size, read_parameters, sample_points
+from mrts.studies.parameters import MAX_VARIANTS, Parameter, SampleName, read_parameters, sample_points
 
 VARIANT_FILES = "cell.yaml", "motion.yaml"
 """That a variant is written as."""
@@ -160,7 +161,7 @@ class Study:
         files = {"cell": deepcopy(self.cell), "motion": deepcopy(self.motion)}
         for parameter, value in zip(self.parameters, values.tolist(), strict=True):
             for target in parameter.targets:
-                set_value(files, target.keys, target.value(value))
+                set_value(files, target.keys, target.offset + target.factor * value)
         return files["cell"], files["motion"]
 
     def cell_of(self, keys: dict[str, Any]) -> Cell:
@@ -182,7 +183,7 @@ class Study:
         for number, file in enumerate(self.files):
             path = folder / f"{number}{Path(file.path).suffix}"
             if not _holds(path, file.content):
-                write_atomically(path, partial(_write, content=file.content), private=True)
+                write_atomically(path, partial(Path.write_bytes, data=file.content), private=True)
             set_value(cell, file.keys, path.name)
         return replace(self, folder=folder, cell=cell)
 
@@ -221,10 +222,6 @@ class Study:
             named = file.reference if is_uri(file.reference) else named_in(folder, Path(file.path))
             set_value(written, file.keys, named)
         return yaml_text(written)
-
-
-def _write(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
 
 
 def _holds(path: Path, content: bytes) -> bool:
@@ -285,7 +282,7 @@ def read_study(path: Path | str) -> Study:
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
     files = tuple(_study_files(cell_path, given["cell"]))
     question = StudyQuestion(**{name: getattr(described, name) for name in StudyQuestion.model_fields})
-    variants = described.count or grid_size([parameter.distribution for parameter in parameters])
+    variants = described.count or math.prod(len(parameter.distribution.numbers) for parameter in parameters)
     if variants > MAX_VARIANTS:
         rule = f"this grid has {variants} variants, at most {MAX_VARIANTS} are allowed. Take fewer steps, or a sample: "
         raise InputError(path, rule + "sobol with a count.", key="vary")

@@ -65,25 +65,14 @@ def test_no_other_search_finds_better_on_the_planar_cell(tmp_path):
     assert found.after.c2 > layouts.c2(layouts.study.points(0, 1)[0])
 
 
-def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
-    """A search in a branch that no posture of the study leads to ends in a cell file that leads there."""
-    path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
-    layouts = Layouts.of(path)
-    study, values = layouts.study, np.array([0.0, 0.0, 2.5, 0.0])
-    cell = mrts.Cell.from_description(study.cell, folder=study.folder)
-    search = LayoutSearch(study)
-    ranked = mrts.rank_configurations(cell, layouts.motion, between=None).ranked
-    other = next(one for one in ranked if one.c2_upper < 0.95 * ranked[0].c2_upper)
-    start = search.tried(values, other.postures())
-    assert start.c2 == pytest.approx(other.c2_upper, rel=SAME)
-    search.improve(start)
-    best = max(search.found, key=lambda one: one.c2)
-    assert best.c2 > start.c2
-    assert search.tried(best.values).c2 < 0.9 * best.c2  # where the study's own postures lead
-    cell = mrts.Cell.from_description(best.keys, folder=study.folder)
-    assert mrts.scale(cell, layouts.motion, between=None).range.upper.c2 == best.c2
-    turned = [robot.posture for robot in cell.robots]
-    assert max(map(np.max, np.abs(np.subtract(turned, list(other.postures().values()))))) < 1
+def test_a_posture_that_changes_no_row_stays(tmp_path):
+    """It says which way an arm holds the object: with another the arms would be elsewhere than in the program."""
+    postures = {f"robots.{arm}.posture[1]": {"from": -3.0, "to": 3.0} for arm in ("left", "right")}
+    path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY | postures)
+    search = LayoutSearch(mrts.read_study(path))
+    change, promised = search.program(search.given)(np.full(6, -0.1), np.full(6, 0.1))
+    assert promised > search.given.c2
+    assert [change[place] == 0 for place in range(6)] == ["posture" in one.path for one in search.study.parameters]
 
 
 def test_ctrl_c_keeps_the_best_so_far(tmp_path):
