@@ -134,7 +134,12 @@ def range_at_samples(
     if options.load == "nominal":
         return common_range(partial(motion_ranges, rows, options.solver, None), high), None
     box, every = load_box(rows.cell, options.load), options.load != "possible"
-    points, varying = _loads(rows, options.load, box)
+    if options.load in {"guaranteed", "possible"}:
+        varying = effective_parameters(rows.cell, rows.motion, box)
+        middle = () if every or not varying else (box.nominal_point(),)
+        points: tuple[LoadPoint, ...] = (*box.corners(varying), *middle)
+    else:
+        points, varying = mass_grid(box, options.load), ()
     of_points = []
     for number, point in enumerate(points):
         progress(number, len(points))
@@ -157,19 +162,6 @@ def range_at_samples(
 
     found = common_range(find, high)
     return found, LoadStudy(options.load, box, points, tuple(of_points), not_converged)
-
-
-def _loads(rows: MotionRows, question: str, box: LoadBox) -> tuple[tuple[LoadPoint, ...], tuple[str, ...]]:
-    """The loads that are looked at one by one, and the parameters that change the wrench.
-
-    Raises:
-        InputError: If the question does not fit the box.
-    """
-    if question not in {"guaranteed", "possible"}:
-        return mass_grid(box, question), ()
-    varying = effective_parameters(rows.cell, rows.motion, box)
-    middle = (box.nominal_point(),) if question == "possible" and varying else ()
-    return (*box.corners(varying), *middle), varying
 
 
 def effective_parameters(

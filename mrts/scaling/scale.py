@@ -143,7 +143,7 @@ def chosen_factor(
         SolverError: If no solver answers.
     """
     result, rows, excess = admissible_range(cell, motion, options, progress)
-    if not result.status.admits_motion or options.load == "possible":
+    if not result.range.status.admits_motion or options.load == "possible":
         return result, rows
     try:
         c2 = choose_c2(result, rows)

@@ -36,9 +36,6 @@ from mrts.scaling.loads import mass_grid
 from mrts.scaling.options import Options
 from mrts.studies.parameters import MAX_VARIANTS, Parameter, SampleName, read_parameters, sample_points
 
-VARIANT_FILES = "cell.yaml", "motion.yaml"
-"""That a variant is written as."""
-
 
 class StudyQuestion(Record):
     """What is asked of each variant.
@@ -209,7 +206,7 @@ class Study:
         for key in ("file", "joints"):
             if key in motion:
                 motion[key] = named_in(folder, Path(motion[key]))
-        cell_file, motion_file = (folder / name for name in VARIANT_FILES)
+        cell_file, motion_file = folder / "cell.yaml", folder / "motion.yaml"
         heading = f"# Variant {index} of {printable(self.path.name)}\n"
         texts = heading + self.cell_text(cell, folder), heading + yaml_text(motion)
         write_together({cell_file: text_writer(texts[0]), motion_file: text_writer(texts[1])})

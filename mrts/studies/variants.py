@@ -126,12 +126,10 @@ def solved_row(study: Study, point: Array) -> Row:
     """What is found of a variant, at a point of a study as from `Study.at_hand`, Shape (P,), as `mrts.scale` does."""
     try:
         return _answer(study, *study.descriptions(point))
-    except InputError as error:
-        return {"status": INVALID, "reason": str(error)}
-    except MotionError as error:
-        return {"status": UNREACHABLE, "reason": str(error)}
     except MrtsError as error:
-        return {"status": FAILED, "reason": str(error)}
+        refused = INVALID if isinstance(error, InputError) else FAILED
+        status = UNREACHABLE if isinstance(error, MotionError) else refused
+        return {"status": status, "reason": str(error)}
     except Exception as error:  # noqa: BLE001 (a defect in one variant must not take the others with it)
         return {"status": FAILED, "reason": f"{type(error).__name__}: {error}"}
 
