@@ -18,7 +18,6 @@ static int *take_ints(FILE *file, size_t count) {
 }
 
 int main(int arguments, char **argument) {
-    enum { K = MRTS_UNKNOWNS };
     FILE *file = fopen(argument[arguments - 1], "rb");
     const double *head = take(file, 3), *in[MRTS_INPUTS];
     const long long n = (long long)head[0], rows = (long long)head[1];
@@ -34,20 +33,17 @@ int main(int arguments, char **argument) {
     const double *lower = take(file, (size_t)rows), *upper = take(file, (size_t)rows);
     const mrts_terms terms = {0, 0, 0, 0, 0};
     const mrts_limits limits = {(int)rows, start, column, value, lower, upper, take_ints(file, (size_t)rows), 0, 0};
-    double *out = calloc((size_t)n * (8 + 4 * K + MRTS_JOINTS + MRTS_WRENCHES), sizeof(double)), *next = out;
-    double *low = next, *high = low + n, *effect = high + n, *torque = effect + n;
-    float *low_dual = calloc((size_t)n * 2 * K, sizeof(float)), *high_dual = low_dual + n * K;
+    double *torque = calloc((size_t)n * (MRTS_JOINTS + MRTS_WRENCHES), sizeof(double));
     double *wrench = torque + n * MRTS_JOINTS;
-    short *bases = calloc((size_t)n * 2 * K, sizeof(short));
-    unsigned char *status = calloc((size_t)n * 3, 1);
+    mrts_range *found = calloc((size_t)n, sizeof(mrts_range));
+    unsigned char *status = calloc((size_t)n, 1);
     double weights[MRTS_JOINTS * MRTS_JOINTS] = {0}, c2 = 1;
     double *work = calloc(100000, sizeof(double)), *most = calloc((size_t)n, sizeof(double));
     int *iwork = calloc(10000, sizeof(int));
     for (int i = 0; i < MRTS_JOINTS; ++i) weights[i * (MRTS_JOINTS + 1)] = 1;
     for (long long i = 0; i < n; ++i) most[i] = MRTS_INFINITY;
-    mrts_ranges(n, in, stride, &limits, &terms, most, low, high, status, status + n, effect, bases, bases + n * K, low_dual,
-                high_dual, work, iwork);
-    mrts_torques(n, in, stride, &limits, &terms, &c2, 0, weights, 1e-9, torque, wrench, status + 2 * n, work, iwork);
-    printf("%.6g\n", high[0]);
+    mrts_ranges(n, in, stride, &limits, &terms, most, found, work, iwork);
+    mrts_torques(n, in, stride, &limits, &terms, &c2, 0, weights, 1e-9, torque, wrench, status, work, iwork);
+    printf("%.6g\n", found->end[1]);
     return 0;
 }

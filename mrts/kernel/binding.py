@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from mrts.kernel.c_text import one_text
 
 NUMBERS: dict[str, Any] = {"int": ctypes.c_int, "long long": ctypes.c_longlong, "double": ctypes.c_double}
-NUMBERS |= {"short": ctypes.c_short, "mrts_real": ctypes.c_double, "cell_real": ctypes.c_double}
+NUMBERS |= {
+    "short": ctypes.c_short,
+    "float": ctypes.c_float,
+    "mrts_real": ctypes.c_double,
+    "cell_real": ctypes.c_double,
+}
 
 FUNCTION = re.compile(r"\nMRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{")
 

@@ -17,6 +17,13 @@ from mrts.kernel.programs import Programs, offer_programs
 
 LIMITS, TERMS = (structure("rows.h", f"mrts_{name}") for name in ("limits", "terms"))
 
+
+def range_record(unknowns: int) -> np.dtype[np.void]:
+    """The range of a sample, of so many unknowns, c² last: `mrts_range` of trajectory.c."""
+    made: np.dtype[np.void] = np.dtype(structure("trajectory.c", "mrts_range", MRTS_CURVED=unknowns + 1))
+    return made
+
+
 Terms = Mapping[str, Array | None]
 """What is added at N samples to a generated function and its limits, the `mrts_terms` of rows.h; None is nothing.
 

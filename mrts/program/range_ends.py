@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY
+from mrts.kernel.cell_library import range_record
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, STOPPED, default_programs
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.program.motion_rows import CAPS_TIE, MotionRows, binds, largest_square
@@ -73,15 +74,12 @@ class RangeEnds:
 
 def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     """The ends at all samples in one call of the kernel, c² at most `most`, Shape (N,)."""
-    count, speeds = len(most), rows.has_speed_terms
-    lower, upper, below, effect = np.zeros((4, count))
-    status = np.full((1 if speeds else 2, count), STOPPED, dtype=np.uint8)
-    basis = np.zeros((2, count, rows.cell.library.unknowns + speeds), dtype=np.int16)
-    dual = np.zeros(basis.shape, dtype=np.float32)
-    name, between = ("mrts_speed_ranges", [below]) if speeds else ("mrts_ranges", [])
-    outputs = [lower, upper, *between, *status, effect, *basis, *dual]
-    rows.over_samples(name, [np.minimum(most, INFINITY)], outputs, load=load)
-    return RangeEnds(lower, upper, _duals_of_bases(rows, basis, dual), np.max(status, axis=0), below, effect)
+    found = np.zeros(len(most), dtype=range_record(rows.cell.library.unknowns))
+    name = "mrts_speed_ranges" if rows.has_speed_terms else "mrts_ranges"
+    rows.over_samples(name, [np.minimum(most, INFINITY)], [found], load=load)
+    basis, dual = (np.swapaxes(found[of], 0, 1) for of in ("basis", "dual"))
+    duals, status = _duals_of_bases(rows, basis, dual), np.max(found["status"], axis=1)
+    return RangeEnds(*found["end"].T, duals, status, found["gap"], found["effect"])
 
 
 def ends_of_rows(problem: SampleProblem) -> RangeEnds:

@@ -14,7 +14,7 @@ import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.c_text import cell_source
-from mrts.kernel.cell_library import CellLibrary, sparse_limits
+from mrts.kernel.cell_library import CellLibrary, range_record, sparse_limits
 from mrts.kernel.compiler import FLAGS
 from mrts.kernel.programs import OPTIMAL, Programs
 from mrts.kernel.tracking import closure_sizes
@@ -90,13 +90,15 @@ def answers(request, tmp_path_factory):
         inputs = {name: value[at] if value.ndim > 1 else value for name, value in all_inputs.items()}
         known = {}
         for kind, added in (("plain", {}), ("more", {name: of[at] for name, of in terms.items()})):
-            lower, upper, effect, widening = np.zeros((4, count))
-            status, unread = np.zeros((3, count), dtype=np.uint8), np.zeros((2, count, library.unknowns))
-            of_ranges = [lower, upper, *status[:2], effect, *unread.astype(np.int16), *unread.astype(np.float32)]
-            library.over_samples("mrts_ranges", count, inputs, limits, added, [np.full(count, 1e300)], of_ranges)
-            library.over_samples("mrts_widenings", count, inputs, limits, added, [c2], [widening, status[2]], (units,))
-            numbers = {"lower": lower, "upper": upper, "effect": effect, "status": status[:2].T, "widening": widening}
-            known |= {f"{kind} {name}": value for name, value in numbers.items()}
+            ranges, widening = np.zeros(count, dtype=range_record(library.unknowns)), np.zeros(count)
+            status = np.zeros(count, dtype=np.uint8)
+            library.over_samples("mrts_ranges", count, inputs, limits, added, [np.full(count, 1e300)], [ranges])
+            library.over_samples("mrts_widenings", count, inputs, limits, added, [c2], [widening, status], (units,))
+            known |= {
+                f"{kind} {name}": ranges[of]
+                for name, of in (("upper", "end"), ("effect", "effect"), ("status", "status"))
+            }
+            known[f"{kind} widening"] = widening
             for weights, W_all in (("diagonal", np.eye(len(W))), ("full", np.diag(W) + 0.1 * np.outer(W, W))):
                 torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))
                 status, asked = np.zeros(count, dtype=np.uint8), [np.full(count, 0.5)]

@@ -60,31 +60,35 @@ MRTS_EXPORT void mrts_torques_work(int rows, long long *reals, long long *ints) 
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_QP_IWORK(MRTS_UNKNOWNS - 1, rows);
 }
 
-/* What mrts_ranges returns of each sample. */
+/* Unknowns of a range whose rows have terms in c beside those in c^2. */
+#define MRTS_CURVED (MRTS_UNKNOWNS + 1)
+
+/* The range of c^2 of a sample, and the rows that determine its ends, 1 + row of the limits at an upper, -1 - row at a lower
+ * one, those of the unknowns after them, with their multipliers (see mrts_lp); 0 where there is none. */
 typedef struct {
-    double *end[2]; /* least and largest c^2 */
-    unsigned char *status[2];
-    double *effect;
-    short *basis[2];
-    float *dual[2];
-} mrts_found_ranges;
+    double end[2]; /* least and largest c^2 */
+    double gap;    /* a c^2 below the interval, as of mrts_interval */
+    double effect; /* the largest on a row, of c^2 = 1 or of c = 1 squared */
+    float dual[2][MRTS_CURVED];
+    short basis[2][MRTS_CURVED];
+    int status[2];
+} mrts_range;
 
 /* The rows of a basis as rows of the limits, 0 where there is none. */
 static void mrts_codes(const mrts_limits *limits, const mrts_rows *rows, const int *basis, short *code) {
     for (int j = 0; j < MRTS_UNKNOWNS; ++j) code[j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
 }
 
-/* Keeps an end of the range of a sample, of the answer's unknown c^2 in units of `column`, and its multipliers. */
-static void mrts_keep_range(const mrts_found_ranges *found, long long n, int end, int status, double c2, double column,
-                            const double *y) {
-    found->status[end][n] = (unsigned char)status;
-    found->end[end][n] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
-    for (int j = 0; j < MRTS_UNKNOWNS; ++j) found->dual[end][n * MRTS_UNKNOWNS + j] = (float)y[j];
+/* Keeps an end of a range, of the answer's unknown c^2 in units of `column`, and its multipliers. */
+static void mrts_keep_range(mrts_range *found, int end, int status, double c2, double column, const double *y) {
+    found->status[end] = status;
+    found->end[end] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
+    for (int j = 0; j < MRTS_UNKNOWNS; ++j) found->dual[end][j] = (float)y[j];
 }
 
 /* Solves both programs of one sample from the bases of the one before; `column` is the scale of c^2. */
-static void mrts_range_of_sample(const mrts_limits *limits, const mrts_rows *rows, double column, long long n,
-                                 int (*basis)[MRTS_UNKNOWNS], const mrts_found_ranges *found, double *work, int *iwork) {
+static void mrts_range_of_sample(const mrts_limits *limits, const mrts_rows *rows, double column,
+                                 int (*basis)[MRTS_UNKNOWNS], mrts_range *found, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS };
     double g[K] = {0}, x[K], y[K] = {0};
     int entering, status = MRTS_OPTIMAL;
@@ -95,8 +99,8 @@ static void mrts_range_of_sample(const mrts_limits *limits, const mrts_rows *row
             status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work,
                                    iwork);
         }
-        mrts_codes(limits, rows, basis[end], found->basis[end] + n * K);
-        mrts_keep_range(found, n, end, status, x[K - 1], column, y);
+        mrts_codes(limits, rows, basis[end], found->basis[end]);
+        mrts_keep_range(found, end, status, x[K - 1], column, y);
         if (status != MRTS_OPTIMAL) basis[end][0] = 0;
     }
 }
@@ -128,28 +132,21 @@ static void mrts_try_bases(const mrts_samples *samples, const mrts_rows *rows, i
 }
 
 /* Keeps the range of a sample whose ends the bases have answered. */
-static void mrts_keep_lane(const mrts_kept_ranges *by, int lane, long long n, double column, const mrts_found_ranges *found) {
+static void mrts_keep_lane(const mrts_kept_ranges *by, int lane, double column, mrts_range *found) {
     enum { K = MRTS_UNKNOWNS };
     for (int end = 0; end < 2; ++end) {
         double y[K];
         mrts_take_lane(K, by->y[end], lane, y);
-        for (int j = 0; j < K; ++j) found->basis[end][n * K + j] = by->code[end][j];
-        mrts_keep_range(found, n, end, MRTS_OPTIMAL, by->x[end][K - 1][lane], column, y);
+        for (int j = 0; j < K; ++j) found->basis[end][j] = by->code[end][j];
+        mrts_keep_range(found, end, MRTS_OPTIMAL, by->x[end][K - 1][lane], column, y);
     }
 }
 
-/* Least and largest c^2 <= most of samples 0 .. count - 1. For each sample the status of both programs, the largest effect
- * of c^2 = 1 on a row, the rows that determine each end and their multipliers (see mrts_lp); the bounds of c^2 are row
- * rows + MRTS_UNKNOWNS - 1. `terms` are those of all samples one after the other. Returns 1 if
- * a lower limit is above its upper one. */
-MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride,
-                            const mrts_limits *limits, const mrts_terms *terms, const double *most, double *low,
-                            double *high, unsigned char *low_status, unsigned char *high_status, double *effect,
-                            short *low_basis, short *high_basis, float *low_dual, float *high_dual, double *work,
-                            int *iwork) {
+/* The ranges, up to `most`, of samples 0 .. count - 1; `terms` are those of all samples one after the other. Returns 1 if a
+ * lower limit is above its upper one. */
+MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride, const mrts_limits *limits,
+                            const mrts_terms *terms, const double *most, mrts_range *found, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS };
-    const mrts_found_ranges found = {{low, high},           {low_status, high_status}, effect,
-                                     {low_basis, high_basis}, {low_dual, high_dual}};
     double *lp_work = work + MRTS_ROWS_WORK(K, limits->rows);
     int *lp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows), basis[2][K] = {{0}};
     mrts_samples samples;
@@ -157,7 +154,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     mrts_samples_in(limits, terms, &rows, lp_work + MRTS_LP_WORK(K), &samples);
-    for (long long n = 0; n < count; ++n) {
+    for (long long n = 0; n < count; ++n, ++found) {
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) {
             mrts_take_samples(in, stride, n, count, n == 0, &samples);
@@ -166,16 +163,16 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             mrts_try_bases(&samples, &rows, basis, &by);
         }
         const double column = samples.column[K - 1][lane];
-        effect[n] = samples.rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
+        found->effect = samples.rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
         if (by.kept[lane]) {
-            mrts_keep_lane(&by, lane, n, column, &found);
+            mrts_keep_lane(&by, lane, column, found);
             continue;
         }
         if (samples.finite[lane]) {
             mrts_rows_of_lane(K, &samples, lane, &rows);
-            mrts_range_of_sample(limits, &rows, column, n, basis, &found, lp_work, lp_iwork);
+            mrts_range_of_sample(limits, &rows, column, basis, found, lp_work, lp_iwork);
         } else {
-            low_status[n] = high_status[n] = MRTS_STOPPED;
+            found->status[0] = found->status[1] = MRTS_STOPPED;
             basis[0][0] = basis[1][0] = 0;
         }
         if (lane + 1 < MRTS_LANES) mrts_try_bases(&samples, &rows, basis, &by); /* for the samples beside this one */
@@ -196,15 +193,11 @@ MRTS_EXPORT void mrts_speed_ranges_work(int rows, long long *reals, long long *i
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_CURVE_IWORK(MRTS_UNKNOWNS, rows);
 }
 
-/* The highest interval of speeds c <= most of samples 0 .. count - 1 where rows have terms in c beside those in c^2: least and
- * largest c^2, and one in the gap below as of mrts_interval, a status of mrts_lp, and the largest effect on a row, of c^2 = 1
- * or of c = 1 squared. What determines the ends is K + 1 rows each, as in mrts_ranges; a tangent is 0. `terms` and what is
- * returned as there. */
+/* As mrts_ranges, where rows have terms in c beside those in c^2: the highest intervals. A tangent is no row. */
 MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, const long long *stride,
-                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, double *low,
-                                  double *high, double *gap, unsigned char *status, double *effect, short *low_basis,
-                                  short *high_basis, float *low_dual, float *high_dual, double *work, int *iwork) {
-    enum { K = MRTS_UNKNOWNS, N = MRTS_UNKNOWNS + 1 };
+                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, mrts_range *found,
+                                  double *work, int *iwork) {
+    enum { K = MRTS_UNKNOWNS, N = MRTS_CURVED };
     double *speed = work + MRTS_ROWS_WORK(K, limits->rows), *curve_work = speed + limits->rows, column[K], end_dual[2 * N];
     int basis[MRTS_CURVE_BASES * N], end_basis[2 * N];
     mrts_curve_ends ends = {0, basis, end_basis, end_dual};
@@ -214,11 +207,11 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     mrts_samples_in(limits, terms, &rows, curve_work + MRTS_CURVE_WORK(K, limits->rows), &samples);
     for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
-    for (long long n = 0; n < count; ++n) {
+    for (long long n = 0; n < count; ++n, ++found) {
         const int lane = (int)(n % MRTS_LANES);
-        mrts_interval found;
+        mrts_interval of;
         if (lane == 0) mrts_take_samples(in, stride, n, count, n == 0, &samples);
-        status[n] = MRTS_STOPPED;
+        found->status[0] = found->status[1] = MRTS_STOPPED;
         if (!samples.finite[lane]) continue;
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
         mrts_rows_of_lane(K, &samples, lane, &rows);
@@ -227,19 +220,18 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
         const double unit =
             mrts_curve_over(K, &rows, column, speed, curve_work, iwork + MRTS_ROWS_IWORK(limits->rows), &curve);
         const double size = unit > 0 ? MRTS_SQRT(unit) : 1;
-        effect[n] = unit > 0 ? 1 / unit : 0;
+        found->effect = unit > 0 ? 1 / unit : 0;
         ends.speed /= size;
-        status[n] = (unsigned char)mrts_highest_interval(&curve, MRTS_SQRT(most[n]) / size, &ends, &found);
+        found->status[0] = found->status[1] = mrts_highest_interval(&curve, MRTS_SQRT(most[n]) / size, &ends, &of);
         ends.speed *= size;
-        if (status[n] != MRTS_OPTIMAL) continue;
-        low[n] = found.low * size * (found.low * size);
-        high[n] = found.high < MRTS_INFINITY ? found.high * size * (found.high * size) : INFINITY;
-        gap[n] = found.gap * size * (found.gap * size);
-        for (int j = 0; j < N; ++j) {
-            low_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[j]);
-            high_basis[n * N + j] = mrts_row_of_curve(limits, &rows, end_basis[N + j]);
-            low_dual[n * N + j] = low_basis[n * N + j] ? (float)end_dual[j] : 0;
-            high_dual[n * N + j] = high_basis[n * N + j] ? (float)end_dual[N + j] : 0;
+        if (found->status[0] != MRTS_OPTIMAL) continue;
+        found->end[0] = of.low * size * (of.low * size);
+        found->end[1] = of.high < MRTS_INFINITY ? of.high * size * (of.high * size) : INFINITY;
+        found->gap = of.gap * size * (of.gap * size);
+        for (int i = 0; i < 2 * N; ++i) {
+            const short row = mrts_row_of_curve(limits, &rows, end_basis[i]);
+            found->basis[i / N][i % N] = row;
+            found->dual[i / N][i % N] = row ? (float)end_dual[i] : 0;
         }
     }
     return 0;
@@ -478,35 +470,16 @@ static void mrts_name_conflict(const mrts_limits *limits, const mrts_rows *rows,
 /* A sample is at rest where c^2 moves no row by more than this share of what it does elsewhere. */
 #define MRTS_REST 1e-12
 
-/* What mrts_ranges takes and finds at the samples of a variant. */
-typedef struct {
-    double *columns; /* of the rotations, as generated functions want them */
-    double *most, *end[2], *effect;
-    float *dual[2];
-    short *basis[2];
-    unsigned char *status[2];
-} mrts_samples_found;
-
-/* Reals of memory of a sample. */
-#define MRTS_SAMPLE_FOUND (14 + 2 * MRTS_VK)
-
-static mrts_samples_found mrts_found_in(long long samples, double *memory) {
-    mrts_samples_found in;
-    in.columns = memory;
-    in.most = in.columns + 9 * samples;
-    in.effect = in.most + samples;
-    for (int end = 0; end < 2; ++end) in.end[end] = in.effect + (end + 1) * samples;
-    for (int end = 0; end < 2; ++end) in.dual[end] = (float *)(in.end[1] + samples) + end * MRTS_VK * samples;
-    for (int end = 0; end < 2; ++end) in.basis[end] = (short *)(in.dual[1] + MRTS_VK * samples) + end * MRTS_VK * samples;
-    for (int end = 0; end < 2; ++end) in.status[end] = (unsigned char *)(in.basis[1] + MRTS_VK * samples) + end * samples;
-    return in;
-}
+/* Reals of memory of a sample of a variant: a rotation as generated functions want it, the largest c^2 that is asked for, and
+ * its range. */
+#define MRTS_SAMPLE_FOUND (10 + (long long)(sizeof(mrts_range) / sizeof(double)))
 
 /* What is looked at of a variant, and with what. */
 typedef struct {
     long long samples;
     const double *const *inputs; /* of the wrench form */
-    mrts_samples_found found;
+    double *most;                /* largest c^2 of each sample */
+    mrts_range *found;           /* their ranges */
     mrts_samples here;
     mrts_rows rows;
     double *work;
@@ -527,7 +500,7 @@ static int mrts_exact_end(mrts_variant_motion *in, long long n, int end, int *ba
     if (!in->here.finite[0]) return MRTS_STOPPED;
     mrts_rows_of_lane(K, &in->here, 0, rows);
     mrts_scale_columns(K, rows, column);
-    mrts_bound_speed(K, in->found.most[n], column, rows);
+    mrts_bound_speed(K, in->most[n], column, rows);
     g[K - 1] = end ? -1 : 1;
     basis[0] = 0;
     const int status = mrts_lp(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, entering, in->work, in->iwork);
@@ -549,7 +522,7 @@ static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant
     range->c2[end] = c2 < MRTS_INFINITY ? c2 : INFINITY;
     if (end ? c2 >= MRTS_INFINITY : c2 <= 0) return MRTS_OPTIMAL;
     for (long long n = 0; n < in->samples; ++n) {
-        its = in->found.end[end][n];
+        its = in->found[n].end[end];
         if (at < 0 && its == c2) at = n;
         if (first < 0 && (end ? its <= c2 + MRTS_TIE * c2 : its >= c2 - MRTS_TIE * c2)) first = n;
     }
@@ -574,18 +547,18 @@ static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_rang
 
 /* The range of one variant, of whose samples those are known. */
 static int mrts_range_of_variant(mrts_variant_motion *in, mrts_variant_range *range) {
-    const mrts_samples_found *found = &in->found;
     double largest = 0, low = 0, high = MRTS_INFINITY;
-    for (long long n = 0; n < in->samples; ++n) largest = fmax(largest, found->effect[n]);
+    for (long long n = 0; n < in->samples; ++n) largest = fmax(largest, in->found[n].effect);
     if (!(largest < MRTS_INFINITY)) return MRTS_STOPPED;
     for (long long n = 0; n < in->samples; ++n) {
-        const int at_rest = found->effect[n] <= MRTS_REST * largest;
-        if (found->status[0][n] == MRTS_INFEASIBLE) return mrts_conflict(in, n, range);
-        if (found->status[0][n] != MRTS_OPTIMAL || found->status[1][n] != MRTS_OPTIMAL) return MRTS_STOPPED;
-        if (at_rest && found->end[0][n] > 0) return MRTS_STOPPED;
-        if (at_rest || !(found->end[1][n] < INFINITY)) found->end[1][n] = found->most[n];
-        if (found->end[0][n] > low) low = found->end[0][n];
-        if (found->end[1][n] < high) high = found->end[1][n];
+        mrts_range *found = in->found + n;
+        const int at_rest = found->effect <= MRTS_REST * largest;
+        if (found->status[0] == MRTS_INFEASIBLE) return mrts_conflict(in, n, range);
+        if (found->status[0] != MRTS_OPTIMAL || found->status[1] != MRTS_OPTIMAL) return MRTS_STOPPED;
+        if (at_rest && found->end[0] > 0) return MRTS_STOPPED;
+        if (at_rest || !(found->end[1] < INFINITY)) found->end[1] = in->most[n];
+        if (found->end[0] > low) low = found->end[0];
+        if (found->end[1] < high) high = found->end[1];
     }
     const int status = mrts_settle(in, 0, low, range);
     return status == MRTS_OPTIMAL ? mrts_settle(in, 1, high, range) : status;
@@ -617,14 +590,15 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
     in.work = work + MRTS_ROWS_WORK(MRTS_VK, limits->rows);
     in.iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     double *samples_work = in.work + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK);
-    double *found_in = samples_work + MRTS_SAMPLES_WORK(limits->rows), *ranges_work = found_in + samples * MRTS_SAMPLE_FOUND;
+    double *columns = samples_work + MRTS_SAMPLES_WORK(limits->rows), *ranges_work = columns + samples * MRTS_SAMPLE_FOUND;
     int *ranges_iwork = in.iwork + MRTS_LP_IWORK(MRTS_VK, most);
-    const mrts_samples_found found = in.found = mrts_found_in(samples, found_in);
+    in.most = columns + 9 * samples;
+    in.found = (mrts_range *)(void *)(in.most + samples);
     for (long long v = 0; v < count; ++v) {
         const double *of[GIVEN];
         if (skipped[v]) continue;
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
-        const double *const inputs[] = {of[Q],     of[DQ],           of[DDQ],  found.columns,
+        const double *const inputs[] = {of[Q],     of[DQ],           of[DDQ],  columns,
                                         of[TWIST], of[ACCELERATION], of[LOAD], of[GEOMETRY]};
         const mrts_terms own = mrts_terms_of_sample(terms, v * samples, limits->rows);
         here.lower = of[LOWER];
@@ -635,14 +609,12 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
             base[i] = MRTS_ARM(of[GEOMETRY], i / 9)->base_rotation[3 * (i % 9 / 3) + limits->axes[i % 3]];
         }
         for (long long n = 0; n < samples; ++n) {
-            for (int i = 0; i < 9; ++i) found.columns[9 * n + i] = of[ROTATION][9 * n + 3 * (i % 3) + i / 3];
-            found.most[n] = of[MOST][n];
+            for (int i = 0; i < 9; ++i) columns[9 * n + i] = of[ROTATION][9 * n + 3 * (i % 3) + i / 3];
+            in.most[n] = of[MOST][n];
         }
         range[v].status = MRTS_STOPPED;
         if (!mrts_rows_over(MRTS_VK, &here, work, iwork, &in.rows)) continue;
-        mrts_ranges(samples, inputs, mrts_apart, &here, &own, found.most, found.end[0], found.end[1], found.status[0],
-                    found.status[1], found.effect, found.basis[0], found.basis[1], found.dual[0], found.dual[1],
-                    ranges_work, ranges_iwork);
+        mrts_ranges(samples, inputs, mrts_apart, &here, &own, in.most, in.found, ranges_work, ranges_iwork);
         in.inputs = inputs;
         mrts_samples_in(&here, &own, &in.rows, samples_work, &in.here);
         range[v].status = mrts_range_of_variant(&in, range + v);
