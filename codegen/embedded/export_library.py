@@ -40,7 +40,7 @@ GENERATED = ("include/*.h", "src/*.[ch]", "src/parts/*.c", "tests/*.[ch]", "exam
 """Where an export writes, and earlier ones wrote, files that start with its notice, or those of the kernel."""
 
 KERNEL = (
-    *("numbers.h", "number_type.inc", "answers.inc", "rows.h", "rows.inc", "point_motion.h"),
+    *("numbers.h", "number_type.inc", "answers.inc", "rows.h", "rows.inc", "sines.inc", "point_motion.h"),
     *("linear_programs.h", "quadratic_programs.h", "speed_intervals.h"),
 )
 """Files of the kernel that a library takes as they are."""
@@ -94,13 +94,14 @@ def export_library(
         return filled(of_cell((TEMPLATES / file).read_text(encoding="utf-8")), words)
 
     def implementation(file: str) -> str:
-        return of_cell(kernel(OURS + file).replace("SPDX-License-Identifier: MIT\n *\n", f"{NOTICE}\n", 1))
+        text = kernel(OURS + file).replace("SPDX-License-Identifier: MIT\n *\n", f"{NOTICE}\n", 1)
+        return of_cell(text.replace('"../', '"kernel/'))
 
     texts = {
         f"include/{name}.h": implementation("cell.h").replace(
             f'#include "{name}_constants.h"\n', template("cell_constants.h")
         ),
-        f"src/{name}.c": implementation("cell.c").replace('"../', '"kernel/'),
+        f"src/{name}.c": implementation("cell.c"),
         f"src/{name}_model.h": implementation("cell_model.h"),
         f"src/{name}_model.c": template("cell_model.c"),
         f"src/{name}_tables.h": template("cell_tables.h"),

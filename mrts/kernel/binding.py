@@ -14,14 +14,12 @@ from numpy.typing import NDArray
 from mrts.kernel.c_text import one_text
 
 NUMBERS: dict[str, Any] = {"int": ctypes.c_int, "long long": ctypes.c_longlong, "double": ctypes.c_double}
-NUMBERS |= {
-    "short": ctypes.c_short,
-    "float": ctypes.c_float,
-    "mrts_real": ctypes.c_double,
-    "cell_real": ctypes.c_double,
-}
+NUMBERS |= {"short": ctypes.c_short, "float": ctypes.c_float, "cell_status": ctypes.c_int}
+NUMBERS |= dict.fromkeys(("mrts_real", "cell_real"), ctypes.c_double)
 
-FUNCTION = re.compile(r"\nMRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{")
+FUNCTION = re.compile(
+    r"\n(?:MRTS_EXPORT (void|int|long long)|(cell_real|cell_status)) ((?:mrts|cell)_\w+)\(([^{};]*)\) \{"
+)
 
 
 HEAD = object.__basicsize__
@@ -59,10 +57,10 @@ def bind(library: ctypes.CDLL, files: tuple[str, ...]) -> ctypes.CDLL:
 @cache
 def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
     found = []
-    for result, name, parameters in FUNCTION.findall(one_text(files)):
+    for ours, exported, name, parameters in FUNCTION.findall(one_text(files)):
         given = [] if parameters == "void" else parameters.split(",")
         kinds = [ADDRESS if "*" in one else NUMBERS.get(" ".join(one.split()[:-1]), ADDRESS) for one in given]
-        found.append((name, NUMBERS.get(result), kinds))
+        found.append((name, NUMBERS.get(ours or exported), kinds))
     return found
 
 

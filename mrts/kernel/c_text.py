@@ -33,16 +33,12 @@ SELDOM = ("dynamics", "terms", "torque_form", "fixed_distribution", "played_torq
 IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
 """Generated functions that are compiled for lanes, the wrench form for these alone."""
 
-INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
+INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc|c))"\n', re.MULTILINE)
 
+OVERRIDE = "exported/override_calls.c"
+"""The governor of a plan's speed, as an exported library has it, and what Python asks of it besides."""
 
-OVERRIDE = "exported/cell_override"
-"""The governor of a plan's speed, as an exported library has it."""
-
-CALLS = "exported/override_calls"
-"""What Python asks of it."""
-
-GENERATED = re.compile(r'^#include "cell\w*\.h"\n', re.MULTILINE)
+GENERATED = re.compile(r'^#include "cell(_model)?\.h"\n', re.MULTILINE)
 """Headers of an exported cell."""
 
 
@@ -150,8 +146,7 @@ def override_source(manifest: Manifest, generated: str) -> str:
         "CELL_MOTORS": 1,
         "cell_model_played_torques": record.symbol,
     }
-    exported = one_text((f"{CALLS}.h", f"{OVERRIDE}.h", f"{OVERRIDE}.c", f"{CALLS}.c"))
-    return f"{function_source(generated, record.symbol)}\n{_defined(macros)}{exported}"
+    return f"{function_source(generated, record.symbol)}\n{_defined(macros)}{one_text((OVERRIDE,))}"
 
 
 def _functions(generated: str) -> tuple[str, dict[str, str]]:

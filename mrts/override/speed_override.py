@@ -185,7 +185,7 @@ class SpeedOverride:
         for name, value in (("time", time), ("speed", speed)):
             if not is_number(value):
                 raise InputError(name, "must be a finite number.", value=value)
-        status = self._tables.library.mrts_override_start(self._tables.c, time, speed, numbers)
+        status = self._tables.library.cell_override_start(self._tables.c, time, speed, numbers)
         if status:
             if status != NOT_ADMITTED:
                 raise InputError("time", f"must be a place of the plan (0 to {self.duration:g} s).", value=time)
@@ -209,7 +209,7 @@ class SpeedOverride:
             raise InputError("wanted", "must be a finite number.", value=wanted)
         _check_tick(dt)
         numbers = self._numbers(state).copy()
-        self._tables.library.mrts_override_step(self._tables.c, wanted, dt, numbers)
+        self._tables.library.cell_override_step(self._tables.c, wanted, dt, numbers)
         return self._state(numbers)
 
     def play(self, wanted: Array, dt: float = TICK, state: OverrideState | None = None) -> NDArray[Any]:
@@ -240,9 +240,8 @@ class SpeedOverride:
         _check_tick(dt)
         if not is_number(seconds, 0):
             raise InputError("seconds", "must be a time >= 0 in s.", value=seconds)
-        speed = np.zeros(1)
-        self._tables.library.mrts_override_speed_for_stop(self._tables.c, self._numbers(state), seconds, dt, speed)
-        return float(speed[0])
+        given = self._tables.c, self._numbers(state), seconds, dt
+        return float(self._tables.library.cell_override_speed_for_stop(*given))
 
     def stops(self, dt: float = TICK) -> Stops:
         """How soon and how far on all arms stand still wherever they are stopped, from any speed.
@@ -289,7 +288,7 @@ class SpeedOverride:
             raise InputError("q", f"must have Shape ({len(self.cell.joint_names)},).")
         if not is_number(within, 0):
             raise InputError("within", "must be a distance >= 0.", value=within)
-        if self._tables.library.mrts_override_resume(self._tables.c, given, within, numbers):
+        if self._tables.library.cell_override_resume(self._tables.c, given, within, numbers):
             raise InputError("q", f"no place of the plan is within {within:g} of it in every joint.")
         return self._state(numbers)
 

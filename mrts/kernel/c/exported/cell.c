@@ -7,11 +7,6 @@
 #include "cell_model.h"
 
 /* All but the model as one text, which is faster: the sizes of the cell are constants in the kernel too. */
-#define MRTS_REAL cell_real
-#if CELL_SINGLE
-#define MRTS_SINGLE
-#endif
-#include "../numbers.h"
 #include "../rows.h"
 #if CELL_POINTS || CELL_THINGS
 #include "../point_motion.h"

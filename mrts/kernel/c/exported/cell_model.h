@@ -7,6 +7,12 @@
 
 #include "cell.h"
 
+#define MRTS_REAL cell_real
+#if CELL_SINGLE
+#define MRTS_SINGLE
+#endif
+#include "../numbers.h"
+
 void cell_model_terms(const cell_real *const *arg, cell_real *const *res);
 void cell_model_wrench_form(const cell_real *const *arg, cell_real *const *res);
 void cell_model_played_torques(const cell_real *const *arg, cell_real *const *res);

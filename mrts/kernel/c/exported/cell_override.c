@@ -5,17 +5,8 @@
 #include "cell_override.h"
 #include "cell_model.h"
 
-#include <math.h>
-
-#if CELL_SINGLE
-#define SQRT(a) sqrtf(a)
-#else
-#define SQRT(a) sqrt(a)
-#endif
-
 enum { JOINTS = CELL_JOINTS, WRENCHES = CELL_WRENCHES, MOST_TICKS = 100000, HALVINGS = 24, MOST_SPEED = 4 };
 
-static cell_real absolute(cell_real a) { return a < 0 ? -a : a; }
 static cell_real between(cell_real a, cell_real b, cell_real share) { return a + share * (b - a); }
 static cell_real within(cell_real a, cell_real low, cell_real high) { return a < low ? low : a > high ? high : a; }
 
@@ -96,7 +87,7 @@ static int nearer(const cell_segment *at, int side, cell_real share) {
 /* The acceleration until the next tick. */
 static void choose(const cell_plan *plan, cell_real wanted, cell_real dt, cell_override *state) {
     const cell_segment at = segment_of(plan, state);
-    const cell_real most = most_at(&at), fastest = plan->varies ? SQRT(most) : most, speed = state->speed;
+    const cell_real most = most_at(&at), fastest = plan->varies ? MRTS_SQRT(most) : most, speed = state->speed;
     const cell_real share = within(speed * speed / most, 0, 1);
     const cell_real low = acceleration_at(&at, CELL_BRAKE, share), high = acceleration_at(&at, CELL_PUSH, share);
     const cell_real aim = within(wanted, plan->backwards ? -fastest : 0, fastest);
@@ -106,9 +97,9 @@ static void choose(const cell_plan *plan, cell_real wanted, cell_real dt, cell_o
     if (plan->keeps_rates) {
         /* steps of `change` that end at 0 when the wanted speed is reached */
         const cell_real ahead = between(at.here->rate_ahead, at.next->rate_ahead, at.share) * dt;
-        const cell_real left = absolute(aim - speed) / dt;
-        const cell_real reach = ahead > 0 ? 2 * ahead * left / (SQRT(ahead * ahead / 4 + 2 * ahead * left) + ahead / 2) : 0;
-        if (absolute(chosen) > reach) {
+        const cell_real left = MRTS_ABS(aim - speed) / dt;
+        const cell_real reach = ahead > 0 ? 2 * ahead * left / (MRTS_SQRT(ahead * ahead / 4 + 2 * ahead * left) + ahead / 2) : 0;
+        if (MRTS_ABS(chosen) > reach) {
             chosen = chosen < 0 ? -reach : reach;
             active = plan->keeps_rates;
         }
@@ -123,7 +114,7 @@ static void choose(const cell_plan *plan, cell_real wanted, cell_real dt, cell_o
     if (plan->keeps_rates) {
         const cell_real at_rest = between(at.here->rate[0], at.next->rate[0], at.share);
         const cell_real at_most = between(at.here->rate[1], at.next->rate[1], at.share);
-        const cell_real change = within(between(at_rest, at_most, within(absolute(speed) / fastest, 0, 1)), 0, at_rest) * dt;
+        const cell_real change = within(between(at_rest, at_most, within(MRTS_ABS(speed) / fastest, 0, 1)), 0, at_rest) * dt;
         const cell_real limited = within(chosen, state->acceleration - change, state->acceleration + change);
         if (limited != chosen) active = plan->keeps_rates;
         chosen = limited;
@@ -135,8 +126,8 @@ static void choose(const cell_plan *plan, cell_real wanted, cell_real dt, cell_o
             cell_real cap;
             moved(plan, &there, (speed + chosen * dt / 2) * dt);
             next = segment_of(plan, &there);
-            cap = SQRT(most_at(&next));
-            if (absolute(speed + chosen * dt) <= cap) break;
+            cap = MRTS_SQRT(most_at(&next));
+            if (MRTS_ABS(speed + chosen * dt) <= cap) break;
             chosen = ((speed < 0 ? -cap : cap) - speed) / dt;
             state->aim = speed < 0 ? -cap : cap;
             active = next.here->active[4];
@@ -208,7 +199,7 @@ cell_status cell_override_start(const cell_plan *plan, cell_real time, cell_real
     const cell_plan_node *nodes = plan->nodes;
     cell_override found = {0};
     cell_segment at;
-    if (!(time >= 0 && time <= nodes[plan->count - 1].time && absolute(speed) <= MOST_SPEED)) return CELL_BAD_ARGUMENT;
+    if (!(time >= 0 && time <= nodes[plan->count - 1].time && MRTS_ABS(speed) <= MOST_SPEED)) return CELL_BAD_ARGUMENT;
     moved(plan, &found, time);
     at = segment_of(plan, &found);
     if (speed * speed > most_at(&at) * (1 + (cell_real)1e-6) || (speed < 0 && !plan->backwards)) return CELL_INFEASIBLE;
@@ -220,7 +211,7 @@ cell_status cell_override_start(const cell_plan *plan, cell_real time, cell_real
 }
 
 cell_status cell_override_step(const cell_plan *plan, cell_real wanted, cell_real dt, cell_override *state) {
-    if (!(absolute(wanted) < CELL_UNLIMITED && dt > 0 && dt < CELL_UNLIMITED)) return CELL_BAD_ARGUMENT;
+    if (!(MRTS_ABS(wanted) < CELL_UNLIMITED && dt > 0 && dt < CELL_UNLIMITED)) return CELL_BAD_ARGUMENT;
     advance(plan, dt, state);
     if (!state->finished || wanted * (state->inside > 0 ? 1 : -1) < 0) choose(plan, wanted, dt, state);
     play(plan, state);
@@ -250,7 +241,7 @@ cell_status cell_override_resume(const cell_plan *plan, const cell_real q[CELL_J
     }
     if (!(best < CELL_UNLIMITED) || cell_override_start(plan, time, 0, &found) != CELL_OK) return CELL_BAD_ARGUMENT;
     for (int j = 0; j < JOINTS; ++j) {
-        if (!(absolute(q[j] - found.q[j]) <= near)) return CELL_INFEASIBLE;
+        if (!(MRTS_ABS(q[j] - found.q[j]) <= near)) return CELL_INFEASIBLE;
     }
     *state = found;
     return CELL_OK;
@@ -273,7 +264,7 @@ cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_overrid
     const cell_segment at = segment_of(plan, state);
     const cell_real way = state->direction < 0 ? (cell_real)-1 : (cell_real)1;
     cell_override tried = *state;
-    cell_real low = 0, high = SQRT(most_at(&at));
+    cell_real low = 0, high = MRTS_SQRT(most_at(&at));
     tried.acceleration = 0;
     for (int turn = 0; turn <= HALVINGS; ++turn) {
         const cell_real speed = turn ? (low + high) / 2 : high;

@@ -1,7 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * What Python asks of a plan that is played; cell_override.h and .c stand before it.
+ * What Python asks of a plan that is played, in the C of an export; sizes and the model are macros of the cell.
  */
+#include "../numbers.h"
+
+typedef double cell_real;
+typedef enum { CELL_OK = 0, CELL_INFEASIBLE = 2, CELL_BAD_ARGUMENT = 5 } cell_status;
+#define CELL_UNLIMITED MRTS_INFINITY
+
+#include "cell_override.c"
 
 /* States at `count` places, inside[k] after node[k], with their speeds and accelerations, signs as they are. */
 MRTS_EXPORT void mrts_override_states(const cell_plan *plan, long long count, const int *node, const double *inside,
@@ -30,25 +37,8 @@ MRTS_EXPORT int mrts_override_play(const cell_plan *plan, long long count, const
     return status;
 }
 
-MRTS_EXPORT int mrts_override_start(const cell_plan *plan, double time, double speed, cell_override *state) {
-    return cell_override_start(plan, time, speed, state);
-}
-
-MRTS_EXPORT int mrts_override_step(const cell_plan *plan, double wanted, double dt, cell_override *state) {
-    return cell_override_step(plan, wanted, dt, state);
-}
-
-MRTS_EXPORT int mrts_override_resume(const cell_plan *plan, const double *q, double near, cell_override *state) {
-    return cell_override_resume(plan, q, near, state);
-}
-
 /* Of each state the seconds until it stands still, and where. */
 MRTS_EXPORT void mrts_override_stops(const cell_plan *plan, long long count, const cell_override *states, double dt,
                                      double *seconds, double *stands) {
     for (long long k = 0; k < count; ++k) seconds[k] = cell_override_stop_time(plan, states + k, dt, stands + k);
-}
-
-MRTS_EXPORT void mrts_override_speed_for_stop(const cell_plan *plan, const cell_override *state, double seconds,
-                                              double dt, double *speed) {
-    *speed = cell_override_speed_for_stop(plan, state, seconds, dt);
 }

@@ -29,6 +29,7 @@ typedef struct {
 #define MRTS_IN_LANES
 #include "../number_type.inc"
 #include "../rows.inc"
+#include "../sines.inc"
 #undef MRTS_IN_LANES
 
 /* Inputs of some samples: those that are the same for all stand there once. */
@@ -56,50 +57,17 @@ typedef struct {
     (MRTS_LANES * (MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES) + 2 * MRTS_JOINTS + 3 * (rows) +     \
                    MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES) + (rows) * MRTS_UNKNOWNS + 2 * (rows) + 3 * MRTS_UNKNOWNS))
 
-/*
- * Sines and cosines of lanes are off by no more than half a unit in the last place of 1: rotations need no more, where they
- * are all but 0 neither. The argument less a multiple of pi / 2, in two parts, and the polynomials of FreeBSD's msun
- * (k_sin, k_cos, Sun Microsystems, 1993). An angle of more than MRTS_MOST_ANGLE is left to the C library.
- */
-
-#define MRTS_PER_QUARTER 6.36619772367581382433e-01  /* 2 / pi */
-#define MRTS_QUARTER 1.57079632673412561417e+00      /* the first 33 bits of pi / 2 */
-#define MRTS_QUARTER_REST 6.07710050650619224932e-11 /* and the rest */
-#define MRTS_ROUNDER 6755399441055744.0              /* 1.5 * 2^52: what is added to it is rounded to a whole number */
-#define MRTS_MOST_ANGLE 1e5                          /* a multiple of 33 bits is exact [rad] */
-
-/* The sine and the cosine of lanes. */
-static inline void mrts_sine_cosine(mrts_lanes angle, mrts_lanes *both) {
-    const mrts_lanes shifted = angle * MRTS_PER_QUARTER + MRTS_ROUNDER, turns = shifted - MRTS_ROUNDER;
-    const mrts_lanes first = angle - turns * MRTS_QUARTER, less = turns * MRTS_QUARTER_REST;
-    const mrts_lanes x = first - less, tail = (first - x) - less, z = x * x, half = 0.5 * z, w = 1 - half;
-    const mrts_lanes of_sine = 8.33333333332248946124e-03 +
-                               z * (-1.98412698298579493134e-04 +
-                                    z * (2.75573137070700676789e-06 +
-                                         z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)));
-    const mrts_lanes of_cosine = z * (4.16666666666666019037e-02 +
-                                      z * (-1.38888888888741095749e-03 +
-                                           z * (2.48015872894767294178e-05 +
-                                                z * (-2.75573143513906633035e-07 +
-                                                     z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))));
-    const mrts_lanes cube = z * x;
-    const mrts_lanes sine = x - ((z * (0.5 * tail - cube * of_sine) - tail) - cube * -1.66666666666666324348e-01);
-    const mrts_lanes cosine = w + (((1 - w) - half) + (z * of_cosine - x * tail));
-    /* the lowest bits of what was shifted count the quarters */
-    const mrts_lane_mask quarters = (mrts_lane_mask)shifted, odd = (quarters & 1) != 0;
-    both[0] = (mrts_lanes)((mrts_lane_mask)mrts_choose(odd, cosine, sine) ^ (quarters & 2) << 62);
-    both[1] = (mrts_lanes)((mrts_lane_mask)mrts_choose(odd, sine, cosine) ^ ((quarters + 1) & 2) << 62);
-    const mrts_lane_mask near = mrts_sizes(angle) <= MRTS_MOST_ANGLE;
-    for (int lane = 0; lane < MRTS_LANES; ++lane) {
-        if (near[lane]) continue;
-        both[0][lane] = sin(angle[lane]);
-        both[1][lane] = cos(angle[lane]);
-    }
-}
-
 /* Sines and cosines of some angles, both of one after the other. */
 static inline void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *both) {
-    for (int i = 0; i < count; ++i) mrts_sine_cosine(angle[i], both + 2 * i);
+    for (int i = 0; i < count; ++i, both += 2) {
+        const mrts_lane_mask near = mrts_sizes(angle[i]) <= MRTS_MOST_ANGLE;
+        mrts_sine_cosine_lanes(angle[i], both);
+        for (int lane = 0; lane < MRTS_LANES; ++lane) {
+            if (near[lane]) continue;
+            both[0][lane] = sin(angle[i][lane]);
+            both[1][lane] = cos(angle[i][lane]);
+        }
+    }
 }
 
 /* b of L b = b, and of L' b = b. */
