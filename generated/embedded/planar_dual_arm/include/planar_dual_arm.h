@@ -118,10 +118,10 @@ typedef struct {
 /* Work of the caller: one for each thread of control. Set it to zero, or call planar_dual_arm_reset, before the first use; what
  * it keeps from call to call only makes the next call faster. */
 typedef struct {
-    int lower_basis[PLANAR_DUAL_ARM_UNKNOWNS], upper_basis[PLANAR_DUAL_ARM_UNKNOWNS];
+    int basis[2 * PLANAR_DUAL_ARM_UNKNOWNS + 3 * PLANAR_DUAL_ARM_MOTORS * (PLANAR_DUAL_ARM_UNKNOWNS + 1)];
     int which[PLANAR_DUAL_ARM_ROWS], integers[PLANAR_DUAL_ARM_ROWS + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
 #if PLANAR_DUAL_ARM_MOTORS
-    int curve_basis[3 * (PLANAR_DUAL_ARM_UNKNOWNS + 1)], curve_integers[PLANAR_DUAL_ARM_ROWS + 7 + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
+    int curve_integers[PLANAR_DUAL_ARM_ROWS + 7 + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
 #endif
     planar_dual_arm_real form[(PLANAR_DUAL_ARM_UNKNOWNS + 1) * (PLANAR_DUAL_ARM_JOINTS + PLANAR_DUAL_ARM_WRENCHES)];
 #if PLANAR_DUAL_ARM_TURNED

@@ -6,6 +6,12 @@
 
 #include "planar_dual_arm.h"
 
+#define MRTS_REAL planar_dual_arm_real
+#if PLANAR_DUAL_ARM_SINGLE
+#define MRTS_SINGLE
+#endif
+#include "kernel/numbers.h"
+
 void planar_dual_arm_model_terms(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res);
 void planar_dual_arm_model_wrench_form(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res);
 void planar_dual_arm_model_played_torques(const planar_dual_arm_real *const *arg, planar_dual_arm_real *const *res);

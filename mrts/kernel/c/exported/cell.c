@@ -18,6 +18,12 @@
 #include "../quadratic_programs.h"
 #include "cell_tables.h"
 
+#if CELL_ENDS
+#define END_JOINT(end) ((end) < 0 ? -1 : end_joint[end])
+#else
+#define END_JOINT(end) -1
+#endif
+
 enum {
     JOINTS = CELL_JOINTS,
     WRENCHES = CELL_WRENCHES,
@@ -101,9 +107,8 @@ cell_status cell_check_settings(const cell_settings *settings) {
 }
 
 void cell_reset(cell_workspace *workspace) {
-    for (int j = 0; j < K; ++j) workspace->lower_basis[j] = workspace->upper_basis[j] = 0;
+    for (unsigned j = 0; j < sizeof workspace->basis / sizeof *workspace->basis; ++j) workspace->basis[j] = 0;
 #if CELL_MOTORS
-    for (int j = 0; j < 3 * (K + 1); ++j) workspace->curve_basis[j] = 0;
     workspace->curve_speed = 0;
 #endif
 }
@@ -228,7 +233,6 @@ static mrts_real most_asked(const cell_settings *settings) {
     return MRTS_INFINITY;
 #endif
 }
-#if CELL_ENDS || CELL_MOTIONS
 
 /* Caps c^2 by a limit of which c^2 = 1 takes this share; what is not finite leaves nothing. */
 static void cap(mrts_real share, int limit, mrts_real *most, int *binding) {
@@ -236,12 +240,21 @@ static void cap(mrts_real share, int limit, mrts_real *most, int *binding) {
     *most = share < MRTS_INFINITY ? 1 / share : 0;
     *binding = limit;
 }
-#endif
+
+static mrts_real norm(const mrts_real *vector) { return MRTS_SQRT(mrts_dot(3, vector, vector)); }
+
+/* Caps c^2 by velocities of joints, then of the object, linear and angular, then by ends of torque-speed curves. */
+static void cap_velocities(const cell_sample *sample, const mrts_real *limit, mrts_real *most, int *binding) {
+    for (int i = 0; i < VELOCITIES; ++i) {
+        const int joint = i < JOINTS ? i : END_JOINT(i - JOINTS - 2);
+        const mrts_real speed = joint < 0 ? norm(sample->twist + 3 * (i - JOINTS)) : MRTS_ABS(sample->dq[joint]);
+        const mrts_real share = speed / limit[i];
+        cap(share * share, i, most, binding);
+    }
+}
 #if CELL_MOTIONS
 
 enum { FIRST_POINT = VELOCITIES + JOINTS + 2, FIRST_THING = FIRST_POINT + 2 * CELL_POINTS };
-
-static mrts_real norm(const mrts_real *vector) { return MRTS_SQRT(mrts_dot(3, vector, vector)); }
 
 /* Caps c^2 by accelerations of joints and object. */
 static void cap_accelerations(const cell_sample *sample, const cell_settings *settings, mrts_real *most, int *binding) {
@@ -381,27 +394,11 @@ static cell_status keep_standing(const cell_sample *sample, const cell_settings 
 }
 #endif
 
-/* The largest c^2 that velocity limits allow, of each joint, then of the object's linear and angular speed; MRTS_INFINITY where
- * nothing that is limited moves. *binding is the limit that sets it, -1 where none does. */
-static mrts_real speed_cap(const cell_sample *sample, const mrts_real *limit, int *binding) {
-    mrts_real fastest = 0;
-    *binding = -1;
-    for (int i = 0; i < JOINTS + 2; ++i) {
-        if (!(limit[i] < MRTS_INFINITY)) continue;
-        const mrts_real *part = sample->twist + (i == JOINTS ? 0 : 3);
-        const mrts_real speed = i < JOINTS ? MRTS_ABS(sample->dq[i]) : MRTS_SQRT(mrts_dot(3, part, part));
-        if (speed > fastest * limit[i]) {
-            fastest = speed / limit[i];
-            *binding = i;
-        }
-    }
-    return fastest * fastest > 0 ? 1 / (fastest * fastest) : MRTS_INFINITY;
-}
-
 /* Largest c^2 that limits of the motion alone allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is
  * not > 0; `named` is the one that sets it, as in cell_range, 0 if none does. */
 static mrts_real motion_cap(const cell_sample *sample, const cell_settings *settings, mrts_real asked, int *named) {
-    int binding;
+    mrts_real most = MRTS_INFINITY;
+    int binding = -1;
     *named = 0;
     for (int i = 0; i < VELOCITIES; ++i) {
         if (!(settings->velocity[i] > 0)) return -1;
@@ -409,13 +406,7 @@ static mrts_real motion_cap(const cell_sample *sample, const cell_settings *sett
 #if CELL_MOTIONS
     if (!has_sound_motions(settings)) return -1;
 #endif
-    mrts_real most = speed_cap(sample, settings->velocity, &binding);
-#if CELL_ENDS
-    for (int end = 0; end < CELL_ENDS; ++end) {
-        const mrts_real share = MRTS_ABS(sample->dq[end_joint[end]]) / settings->velocity[JOINTS + 2 + end];
-        cap(share * share, JOINTS + 2 + end, &most, &binding);
-    }
-#endif
+    cap_velocities(sample, settings->velocity, &most, &binding);
 #if CELL_MOTIONS
     cap_accelerations(sample, settings, &most, &binding);
 #endif
@@ -511,7 +502,7 @@ static mrts_form wrench_form(const cell_sample *sample, const mrts_real *load, c
 #if CELL_MOTORS
 typedef char curve_holds[HOLDS(curve, mrts_real, MRTS_CURVE_WORK(K, ROWS))];
 typedef char curve_integers_hold[HOLDS(curve_integers, int, MRTS_CURVE_IWORK(K, ROWS))];
-typedef char curve_basis_holds[HOLDS(curve_basis, int, MRTS_CURVE_BASES * (K + 1))];
+typedef char basis_holds[HOLDS(basis, int, 2 * K + MRTS_CURVE_BASES * (K + 1))];
 
 /* What the speed c adds to each of the rows just built, in the workspace; whether that is anything. */
 static int has_speed_terms(const cell_settings *settings, const mrts_rows *rows, cell_workspace *workspace) {
@@ -526,8 +517,8 @@ static int has_speed_terms(const cell_settings *settings, const mrts_rows *rows,
 
 /* The highest interval of admissible speeds of scaled rows over k unknowns, c^2 last, in the returned unit of c. */
 static cell_status speeds_of(int k, const mrts_rows *rows, const mrts_real *column, mrts_real most, int *basis,
-                               mrts_real *speed, cell_workspace *workspace, mrts_curve *curve, mrts_real *unit,
-                               mrts_interval *found) {
+                             mrts_real *speed, cell_workspace *workspace, mrts_curve *curve, mrts_real *unit,
+                             mrts_interval *found) {
     const mrts_real square =
         mrts_curve_over(k, rows, column, workspace->by_speed, workspace->curve, workspace->curve_integers, curve);
     mrts_real end_dual[2 * (K + 1)];
@@ -563,12 +554,12 @@ static int name_of(int code, int at_lower, const mrts_rows *rows, int velocity) 
 
 /* Rows with a multiplier, the strongest first; returns how many. The side is that of the basis, or of a certificate's
  * multiplier. */
-static int name_rows(const int *basis, const mrts_real *y, const mrts_rows *rows, int velocity, int by_sign,
+static int name_rows(int k, const int *basis, const mrts_real *y, const mrts_rows *rows, int velocity, int by_sign,
                      int *named) {
     mrts_real largest = 0, strength[K];
     int count = 0;
-    for (int j = 0; j < K; ++j) largest = mrts_larger(largest, MRTS_ABS(y[j]));
-    for (int j = 0; j < K; ++j) {
+    for (int j = 0; j < k; ++j) largest = mrts_larger(largest, MRTS_ABS(y[j]));
+    for (int j = 0; j < k; ++j) {
         const mrts_real its = MRTS_ABS(y[j]);
         if (its <= BINDING * largest) continue;
         int at = count++;
@@ -593,17 +584,18 @@ static void check_basis(int k, int *basis, int rows) {
     }
 }
 
-static cell_status solve_end(const mrts_rows *rows, int velocity, mrts_real sign, int *basis, mrts_real column,
-                               cell_workspace *workspace, mrts_real *end, int *count, int *named) {
+/* The least (sign 1) or the largest c^2, the last of k unknowns, of scaled rows, and what sets it or conflicts. */
+static cell_status solve_end(int k, const mrts_rows *rows, int velocity, mrts_real sign, int *basis, mrts_real column,
+                             cell_workspace *workspace, mrts_real *end, int *count, int *named) {
     mrts_real g[K], x[K], y[K];
     int entering = 0;
-    for (int j = 0; j < K; ++j) g[j] = j == F ? sign : 0;
-    check_basis(K, basis, rows->count);
-    const int status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, &entering,
+    for (int j = 0; j < k; ++j) g[j] = j == k - 1 ? sign : 0;
+    check_basis(k, basis, rows->count);
+    const int status = mrts_lp_again(k, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, &entering,
                                      workspace->work, workspace->integers);
     if (status == MRTS_INFEASIBLE) {
         named[0] = name_of(entering, entering < 0, rows, velocity);
-        *count = name_rows(basis, y, rows, velocity, 1, named + 1) + 1;
+        *count = name_rows(k, basis, y, rows, velocity, 1, named + 1) + 1;
         basis[0] = 0;
         return CELL_INFEASIBLE;
     }
@@ -612,23 +604,23 @@ static cell_status solve_end(const mrts_rows *rows, int velocity, mrts_real sign
         *count = 0;
         return CELL_UNDECIDED;
     }
-    *end = x[F] * column;
+    *end = x[k - 1] * column;
     if (*end < 0) *end = 0;
-    if (sign < 0 && !velocity && x[F] >= MRTS_UNBOUNDED * (1 - 10 * MRTS_FEASIBLE)) return CELL_UNBOUNDED;
-    *count = name_rows(basis, y, rows, velocity, 0, named);
+    if (sign < 0 && !velocity && x[k - 1] >= MRTS_UNBOUNDED * (1 - 10 * MRTS_FEASIBLE)) return CELL_UNBOUNDED;
+    *count = name_rows(k, basis, y, rows, velocity, 0, named);
     return CELL_OK;
 }
 
 #if CELL_MOTORS
 /* An infeasible sample is so at standstill too: the rows that conflict there. */
-static cell_status conflict_at_rest(mrts_rows *rows, cell_range *range, cell_workspace *workspace) {
+static cell_status conflict_at_rest(int k, mrts_rows *rows, cell_range *range, cell_workspace *workspace) {
     mrts_real column[K], end;
     int basis[K];
-    for (int i = 0; i < rows->count; ++i) rows->A[i * K + F] = 0;
-    mrts_scale_columns(K, rows, column);
-    mrts_bound_speed(K, 0, column, rows);
+    for (int i = 0; i < rows->count; ++i) rows->A[i * k + k - 1] = 0;
+    mrts_scale_columns(k, rows, column);
+    mrts_bound_speed(k, 0, column, rows);
     basis[0] = 0;
-    range->status = solve_end(rows, 0, 1, basis, column[F], workspace, &end, &range->upper_count, range->upper_rows);
+    range->status = solve_end(k, rows, 0, 1, basis, column[k - 1], workspace, &end, &range->upper_count, range->upper_rows);
     if (range->status == CELL_INFEASIBLE) return range->status;
     range->upper_count = 0;
     return range->status = CELL_UNDECIDED;
@@ -638,47 +630,47 @@ static cell_status conflict_at_rest(mrts_rows *rows, cell_range *range, cell_wor
  * curve (c^2, c) at that end, along which the rows have one unknown of speed only, as ranges without such terms. */
 static void name_end(const mrts_curve *curve, mrts_rows *rows, mrts_real most, int fastest, mrts_real sign, int *basis,
                      cell_workspace *workspace, mrts_real *end, int *count, int *named) {
+    const int k = curve->n - 1, f = k - 1;
     const mrts_real at = *end, shift = at * at;
     mrts_real column[K], found = at;
     for (int i = 0; i < rows->count; ++i) {
         const mrts_real *row = curve->A + i * curve->n;
-        for (int j = 0; j < F; ++j) rows->A[i * K + j] = row[j];
-        rows->A[i * K + F] = 2 * at * row[F] + row[K];
-        rows->lower[i] = curve->lower[i] > -MRTS_INFINITY ? curve->lower[i] + row[F] * shift : -MRTS_INFINITY;
-        rows->upper[i] = curve->upper[i] < MRTS_INFINITY ? curve->upper[i] + row[F] * shift : MRTS_INFINITY;
+        for (int j = 0; j < f; ++j) rows->A[i * k + j] = row[j];
+        rows->A[i * k + f] = 2 * at * row[f] + row[k];
+        rows->lower[i] = curve->lower[i] > -MRTS_INFINITY ? curve->lower[i] + row[f] * shift : -MRTS_INFINITY;
+        rows->upper[i] = curve->upper[i] < MRTS_INFINITY ? curve->upper[i] + row[f] * shift : MRTS_INFINITY;
     }
-    mrts_scale_columns(K, rows, column);
-    mrts_bound_speed(K, most, column, rows);
-    const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
-    if (solve_end(rows, velocity, sign, basis, column[F], workspace, &found, count, named) != CELL_OK) *count = 0;
+    mrts_scale_columns(k, rows, column);
+    mrts_bound_speed(k, most, column, rows);
+    const int velocity = most / column[f] < MRTS_UNBOUNDED ? fastest : 0;
+    if (solve_end(k, rows, velocity, sign, basis, column[f], workspace, &found, count, named) != CELL_OK) *count = 0;
     if (MRTS_ABS(found - at) <= MRTS_SMALL * at) *end = found;
 }
 
-/* The range of rows with terms in c: the interval that ends at the largest c^2. */
-static cell_status range_of_speed(mrts_rows *rows, mrts_real most, int fastest, cell_range *range,
-                                    cell_workspace *workspace) {
+/* The range of rows with terms in c over k unknowns, c^2 last: the interval that ends at the largest c^2. Programs start
+ * from bases and a speed, of which they become those of this range. */
+static cell_status range_of_speed(int k, mrts_rows *rows, mrts_real most, int fastest, int *basis, mrts_real *speed,
+                                  cell_range *range, cell_workspace *workspace) {
     mrts_real column[K], unit;
+    int *of_curve = basis + 2 * k;
     mrts_interval found;
     mrts_curve curve;
-    for (int i = 0; i < MRTS_CURVE_BASES; ++i) {
-        check_basis(K + 1, workspace->curve_basis + i * (K + 1), rows->count + 1);
-    }
-    mrts_scale_columns(K, rows, column);
-    range->status = speeds_of(K, rows, column, most, workspace->curve_basis, &workspace->curve_speed, workspace, &curve,
-                              &unit, &found);
-    if (range->status == CELL_INFEASIBLE) return conflict_at_rest(rows, range, workspace);
+    for (int i = 0; i < MRTS_CURVE_BASES; ++i) check_basis(k + 1, of_curve + i * (k + 1), rows->count + 1);
+    mrts_scale_columns(k, rows, column);
+    range->status = speeds_of(k, rows, column, most, of_curve, speed, workspace, &curve, &unit, &found);
+    if (range->status == CELL_INFEASIBLE) return conflict_at_rest(k, rows, range, workspace);
     if (range->status == CELL_UNDECIDED) return range->status;
     const mrts_real reach = most < MRTS_INFINITY ? MRTS_SQRT(most) / unit : MRTS_INFINITY;
     range->lower_count = 1;
     range->lower_rows[0] = 0;
     if (found.low > 0) {
-        name_end(&curve, rows, reach, fastest, 1, workspace->lower_basis, workspace, &found.low, &range->lower_count,
+        name_end(&curve, rows, reach, fastest, 1, basis, workspace, &found.low, &range->lower_count,
                  range->lower_rows);
     }
     range->upper_count = fastest != 0;
     range->upper_rows[0] = fastest;
     if (found.high < MRTS_INFINITY) {
-        name_end(&curve, rows, reach, fastest, -1, workspace->upper_basis, workspace, &found.high, &range->upper_count,
+        name_end(&curve, rows, reach, fastest, -1, basis + k, workspace, &found.high, &range->upper_count,
                  range->upper_rows);
     }
     range->lower = found.low * unit * (found.low * unit);
@@ -702,7 +694,7 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
     }
 #if CELL_MOTORS
     if (has_speed_terms(settings, &rows, workspace)) {
-        return range_of_speed(&rows, most, fastest, range, workspace);
+        return range_of_speed(K, &rows, most, fastest, workspace->basis, &workspace->curve_speed, range, workspace);
     }
 #endif
     mrts_scale_columns(K, &rows, column);
@@ -710,7 +702,7 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
     const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
     const int at_rest = 1 <= NO_EFFECT * column[F] || rows.size[F] == 0;
     for (int i = 0; at_rest && i < rows.count; ++i) rows.A[i * K + F] = 0;
-    range->status = solve_end(&rows, velocity, 1, workspace->lower_basis, column[F], workspace, &range->lower,
+    range->status = solve_end(K, &rows, velocity, 1, workspace->basis, column[F], workspace, &range->lower,
                               &range->lower_count, range->lower_rows);
     if (range->status != CELL_OK) {
         range->upper_count = range->lower_count;
@@ -719,7 +711,7 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
         return range->status;
     }
     if (!at_rest) {
-        range->status = solve_end(&rows, velocity, -1, workspace->upper_basis, column[F], workspace, &range->upper,
+        range->status = solve_end(K, &rows, velocity, -1, workspace->basis + K, column[F], workspace, &range->upper,
                                   &range->upper_count, range->upper_rows);
     }
     if (at_rest || range->status == CELL_UNBOUNDED) { /* only velocities bound c^2 */
@@ -796,51 +788,6 @@ cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings
     return range->status;
 }
 
-#if CELL_MOTORS
-/* The row that is furthest beyond its limits at a speed, as cell_range names it; the speed moves onto its limit. */
-static int nearest_limit(const mrts_curve *curve, const mrts_rows *rows, mrts_real *speed) {
-    mrts_real most = -MRTS_INFINITY, to = *speed;
-    int named = 0;
-    for (int i = 0; i < rows->count; ++i) {
-        const mrts_real square = curve->A[2 * i], linear = curve->A[2 * i + 1];
-        const mrts_real value = (square * *speed + linear) * *speed, slope = 2 * square * *speed + linear;
-        const int at_upper = value - curve->upper[i] > curve->lower[i] - value;
-        const mrts_real beyond = at_upper ? value - curve->upper[i] : curve->lower[i] - value;
-        if (beyond <= most) continue;
-        most = beyond;
-        named = at_upper ? rows->which[i] + 1 : -rows->which[i] - 1;
-        to = slope != 0 ? *speed - (at_upper ? beyond : -beyond) / slope : *speed;
-    }
-    if (MRTS_ABS(to - *speed) <= MRTS_SMALL * *speed) *speed = to;
-    return named;
-}
-
-/* The range of rows with terms in c and no unknown beside it: the interval that ends at the largest c^2. */
-static cell_status share_of_speed(mrts_rows *rows, mrts_real most, int fastest, cell_range *range,
-                                    cell_workspace *workspace) {
-    mrts_real column[1], unit, speed = 0;
-    mrts_interval found;
-    mrts_curve curve;
-    int basis[2 * MRTS_CURVE_BASES] = {0};
-    mrts_scale_columns(1, rows, column);
-    range->status = speeds_of(1, rows, column, most, basis, &speed, workspace, &curve, &unit, &found);
-    if (range->status == CELL_INFEASIBLE) {
-        range->upper_count = 1;
-        speed = 0; /* it is so at standstill too */
-        range->upper_rows[0] = nearest_limit(&curve, rows, &speed);
-    }
-    if (range->status != CELL_OK && range->status != CELL_UNBOUNDED) return range->status;
-    range->lower_count = 1;
-    range->lower_rows[0] = found.low > 0 ? nearest_limit(&curve, rows, &found.low) : 0;
-    const int bound = !(found.high * unit * (found.high * unit) < most * (1 - MRTS_GAP));
-    range->upper_rows[0] = bound ? fastest : nearest_limit(&curve, rows, &found.high);
-    range->upper_count = range->upper_rows[0] != 0;
-    range->lower = found.low * unit * (found.low * unit);
-    range->upper = bound ? most : found.high * unit * (found.high * unit);
-    return range->status;
-}
-#endif
-
 static cell_status share_range(const cell_sample *sample, const cell_settings *settings, cell_range *range,
                                  cell_workspace *workspace) {
     mrts_real turned[9], shares[CELL_ROBOTS], internal[WRENCHES];
@@ -864,7 +811,9 @@ static cell_status share_range(const cell_sample *sample, const cell_settings *s
     }
 #if CELL_MOTORS
     if (has_speed_terms(settings, &rows, workspace)) {
-        return share_of_speed(&rows, most, fastest, range, workspace);
+        int basis[2 + 2 * MRTS_CURVE_BASES] = {0};
+        mrts_real speed = 0;
+        return range_of_speed(1, &rows, most, fastest, basis, &speed, range, workspace);
     }
 #endif
     range->lower = 0;

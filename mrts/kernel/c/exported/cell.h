@@ -100,10 +100,10 @@ typedef struct {
 /* Work of the caller: one for each thread of control. Set it to zero, or call cell_reset, before the first use; what
  * it keeps from call to call only makes the next call faster. */
 typedef struct {
-    int lower_basis[CELL_UNKNOWNS], upper_basis[CELL_UNKNOWNS];
+    int basis[2 * CELL_UNKNOWNS + 3 * CELL_MOTORS * (CELL_UNKNOWNS + 1)];
     int which[CELL_ROWS], integers[CELL_ROWS + 6 * CELL_UNKNOWNS];
 #if CELL_MOTORS
-    int curve_basis[3 * (CELL_UNKNOWNS + 1)], curve_integers[CELL_ROWS + 7 + 6 * CELL_UNKNOWNS];
+    int curve_integers[CELL_ROWS + 7 + 6 * CELL_UNKNOWNS];
 #endif
     cell_real form[(CELL_UNKNOWNS + 1) * (CELL_JOINTS + CELL_WRENCHES)];
 #if CELL_TURNED

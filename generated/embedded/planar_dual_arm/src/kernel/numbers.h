@@ -36,6 +36,9 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_INFINITY MRTS_C(1e30)
 #define MRTS_UNBOUNDED MRTS_C(1e6)
 #define MRTS_NO_EFFECT MRTS_C(1e-30)
+#define MRTS_LESS_QUARTERS(angle, turns) ((angle) - (turns) * 1.5703125f - (turns) * 4.83751297e-4f)
+#define MRTS_QUARTER_REST 7.54978995e-8f
+#define MRTS_MOST_ANGLE 5e3f
 #else
 #define MRTS_ABS(value) fabs(value)
 #define MRTS_C(value) value
@@ -53,6 +56,9 @@ typedef MRTS_REAL mrts_real;
                              * rounding of a limit (1e-16) may still be told from what c^2 adds to it */
 #define MRTS_NO_EFFECT 1e-300 /* an unknown that moves no row by more than this share of a limit moves none: the scale
                                * that makes its effect 1 would not be finite */
+#define MRTS_LESS_QUARTERS(angle, turns) ((angle) - (turns) * 1.57079632673412561417) /* the first 33 bits of pi / 2 */
+#define MRTS_QUARTER_REST 6.07710050650619224932e-11                                  /* and the rest */
+#define MRTS_MOST_ANGLE 1e5 /* beyond, multiples of the first bits are not exact, and the C library is asked [rad] */
 #endif
 
 /* Before a loop over unknowns: of as many as one arm's wrench has the count is mostly known, and counting them costs more
