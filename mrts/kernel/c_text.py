@@ -82,10 +82,10 @@ def motion_macros(manifest: Manifest) -> dict[str, int | str]:
     first = list(accumulate(joints, initial=0))
     macros: dict[str, int | str] = {
         "MRTS_JOINTS": first[-1],
-        "MRTS_FIRST_JOINTS": f"{{{', '.join(map(str, first))}}}",
+        "MRTS_FIRST_JOINTS": f"{{{', '.join(map(str, first))}}}",  # of each arm, and their number last
         "MRTS_MOST_JOINTS": max(joints),
         "MRTS_ROBOTS": len(manifest.cell.robots),
-        "MRTS_SIZE": components,
+        "MRTS_SIZE": components,  # of a wrench
         "MRTS_KINEMATICS": symbol["kinematics"],
         "MRTS_BIAS_ACCELERATION": symbol["bias_acceleration"],
     }
@@ -96,6 +96,21 @@ def motion_macros(manifest: Manifest) -> dict[str, int | str]:
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
         macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
     return macros
+
+
+def cell_macros(manifest: Manifest) -> dict[str, int | str]:
+    """All sizes of a cell and its generated functions."""
+    components = len(manifest.cell.wrench_components)
+    sizes = [rows * columns for rows, columns in manifest.functions["wrench_form"].inputs.values()]
+    return motion_macros(manifest) | {
+        "MRTS_WRENCHES": components * len(manifest.cell.robots),
+        "MRTS_INPUTS": len(sizes),  # of the wrench form
+        "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
+        "MRTS_INPUT_NUMBERS": sum(sizes),
+        "MRTS_GEOMETRY_NUMBERS": [*manifest.functions["kinematics"].inputs.values()][-1][0],
+        "MRTS_UNKNOWNS": components * (len(manifest.cell.robots) - 1) + 1,  # wrenches of all arms but the last, and c²
+        **{f"MRTS_{name.upper()}_LANES": f"{manifest.functions[name].symbol}_lanes" for name in IN_LANES},
+    }
 
 
 def _defined(macros: dict[str, int | str]) -> str:
@@ -112,21 +127,9 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     head, functions = _functions(generated)
     seldom = {record.symbol for name, record in manifest.functions.items() if name in (*SELDOM, "wrench_form")}
     often = head + "".join(text for symbol, text in functions.items() if symbol not in seldom)
-    components = len(manifest.cell.wrench_components)
-    sizes = [rows * columns for rows, columns in manifest.functions["wrench_form"].inputs.values()]
-    macros: dict[str, int | str] = {
-        "MRTS_WRENCHES": components * len(manifest.cell.robots),
-        "MRTS_INPUTS": len(sizes),
-        "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
-        "MRTS_INPUT_NUMBERS": sum(sizes),
-        "MRTS_GEOMETRY_NUMBERS": [*manifest.functions["kinematics"].inputs.values()][-1][0],
-        "MRTS_UNKNOWNS": components * (len(manifest.cell.robots) - 1) + 1,
-    }
-    in_lanes = {name: manifest.functions[name].symbol for name in IN_LANES}
-    macros |= {f"MRTS_{name.upper()}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
-    defined = _defined(motion_macros(manifest) | macros)
-    of_lanes = one_file("lanes/model_of_lanes.inc") + "".join(functions.get(symbol, "") for symbol in in_lanes.values())
-    return f"{often}\n{defined}{one_text(CELL_FILES)}\n{of_lanes}\n"
+    in_lanes = (functions.get(manifest.functions[name].symbol, "") for name in IN_LANES)
+    of_lanes = one_file("lanes/model_of_lanes.inc") + "".join(in_lanes)
+    return f"{often}\n{_defined(cell_macros(manifest))}{one_text(CELL_FILES)}\n{of_lanes}\n"
 
 
 def function_source(generated: str, symbol: str) -> str:

@@ -5,6 +5,8 @@ from pathlib import Path
 import yaml
 
 import mrts
+from mrts.cell.generation import generated_in_cache
+from mrts.kernel.c_text import cell_macros
 from mrts.motion.motion_file import MotionDescription, sample_motion
 
 DATA = Path(mrts.__file__).parent / "data"
@@ -42,6 +44,12 @@ def shipped_motion(name="planar_dual_arm", **keys):
     folder = DATA / name
     path = next(path for path in (folder / "lift.yaml", folder / "lift_and_turn.yaml") if path.exists())
     return yaml.safe_load(path.read_text(encoding="utf-8")) | keys
+
+
+def sizes_of(name):
+    """Flags of a compiler that define the sizes of a shipped cell for the kernel."""
+    manifest, _ = generated_in_cache(DATA / name / "cell.yaml")
+    return [f"-D{macro}={value}" for macro, value in cell_macros(manifest).items()]
 
 
 def sampled(keys):

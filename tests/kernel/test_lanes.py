@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 from conftest import DATA, ROOT
-from shipped_cells import sampled, shipped_motion
+from shipped_cells import sampled, shipped_motion, sizes_of
 
 import mrts
 from mrts.base.manifest import GEOMETRY
@@ -165,7 +165,8 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_samp
 def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
     (tmp_path / "angles.c").write_text(ANGLES)
     library = tmp_path / "angles.so"
-    subprocess.run([GCC, *FLAGS, f"-I{C}", tmp_path / "angles.c", "-o", library, "-lm"], check=True)
+    flags = *FLAGS, f"-I{C}", *sizes_of("planar_dual_arm")
+    subprocess.run([GCC, *flags, tmp_path / "angles.c", "-o", library, "-lm"], check=True)
     rng = np.random.default_rng(1)
     near = np.arange(-40, 41)[:, None] * (np.pi / 4) + rng.normal(size=500) * 1e-6
     angle = np.concatenate(

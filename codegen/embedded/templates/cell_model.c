@@ -4,11 +4,6 @@
 
 #define MRTS_NUMBER cell_real
 #define MRTS_CONSTANT(value) ((cell_real)(value))
-#if CELL_SINGLE
-#define MRTS_MATH(function, a) function##f(a)
-#else
-#define MRTS_MATH(function, a) function(a)
-#endif
 
 static void turn(cell_real angle, cell_real *sines) {
     if (MRTS_ABS(angle) <= MRTS_MOST_ANGLE) {

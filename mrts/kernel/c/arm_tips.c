@@ -170,7 +170,7 @@ enum { MRTS_APART, MRTS_TURNED, MRTS_VELOCITY, MRTS_SLIP, MRTS_CHANGE, MRTS_CHAN
 
 /* The larger of what is known and a number of the samples; a number that is none is told. */
 static void mrts_known_most(mrts_lanes value, mrts_lanes *most, mrts_lane_mask *finite) {
-    *finite &= mrts_above(mrts_each(MRTS_INFINITY), value);
+    *finite &= value < MRTS_INFINITY;
     *most = mrts_larger_lanes(*most, value);
 }
 

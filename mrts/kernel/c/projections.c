@@ -297,7 +297,7 @@ static void mrts_take_polytopes(long long first, mrts_lane_polytopes *in) {
 /* The limit that a row of a basis is at, 0 for a free one. */
 static mrts_lanes mrts_basis_limit(const mrts_lane_polytopes *in, int code) {
     const mrts_lanes limit = code < 0 ? in->lower[-code - 1] : in->upper[code - 1];
-    return mrts_choose(mrts_above(mrts_each(MRTS_INFINITY), mrts_sizes(limit)), limit, mrts_each(0));
+    return mrts_choose(mrts_sizes(limit) < MRTS_INFINITY, limit, mrts_each(0));
 }
 
 /* What the rows of a basis weigh in an unknown, and whether they make it up and give the point's. */
@@ -314,8 +314,8 @@ static mrts_lane_mask mrts_corner_weights(const mrts_lane_polytopes *in, const i
         if (row >= rows) rest[row - rows] -= y[n];
         for (int j = 0; j < k && row < rows; ++j) rest[j] -= y[n] * in->A[row * k + j];
     }
-    for (int j = 0; j < k; ++j) right &= mrts_at_most(mrts_sizes(rest[j]), mrts_each(MRTS_FEASIBLE));
-    return right & mrts_at_most(mrts_sizes(value - its), MRTS_FEASIBLE * (1 + mrts_sizes(value)));
+    for (int j = 0; j < k; ++j) right &= mrts_sizes(rest[j]) <= MRTS_FEASIBLE;
+    return right & (mrts_sizes(value - its) <= MRTS_FEASIBLE * (1 + mrts_sizes(value)));
 }
 
 /* The corner of a basis, which comes into the order of its pivots, and of which samples it is one. */
@@ -347,10 +347,9 @@ static mrts_lane_mask mrts_corner_signs(const mrts_lane_polytopes *in, int at, c
     for (int n = 0; n < k; ++n) {
         const int code = basis[n], row = mrts_abs(code) - 1;
         const mrts_lanes low = in->lower[row], high = in->upper[row];
-        const mrts_lane_mask limited =
-            code < 0 ? mrts_above(low, mrts_each(-MRTS_INFINITY)) : mrts_above(mrts_each(MRTS_INFINITY), high);
+        const mrts_lane_mask limited = code < 0 ? low > -MRTS_INFINITY : high < MRTS_INFINITY;
         const mrts_lanes wrong = mrts_choose(limited, code < 0 ? y[n] : -y[n], mrts_sizes(y[n]));
-        right &= mrts_at_most(wrong, size) | mrts_at_most(high, low);
+        right &= (wrong <= size) | (high <= low);
     }
     return right;
 }
@@ -364,7 +363,7 @@ static mrts_lane_mask mrts_edge_is_final(const mrts_lane_polytopes *in, int at, 
     const mrts_lanes apart = mrts_sizes(normal[0]) + mrts_sizes(normal[1]);
     normal[0] /= length;
     normal[1] /= length;
-    const mrts_lane_mask differ = mrts_above(apart, MRTS_OUTSIDE * (1 + mrts_sizes(p[0]) + mrts_sizes(p[1])));
+    const mrts_lane_mask differ = apart > MRTS_OUTSIDE * (1 + mrts_sizes(p[0]) + mrts_sizes(p[1]));
     mrts_lane_mask final = mrts_corner_signs(in, at, normal);
     if (!(final[0] & final[1] & final[2] & final[3])) final |= mrts_corner_signs(in, next, normal);
     return differ & final;

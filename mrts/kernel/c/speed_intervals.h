@@ -50,11 +50,7 @@ typedef struct {
 } mrts_interval;
 
 /* How far a point may be off the parabola, relative to it. */
-#ifdef MRTS_SINGLE
-#define MRTS_ON_CURVE MRTS_C(1e-5)
-#else
-#define MRTS_ON_CURVE 1e-12
-#endif
+#define MRTS_ON_CURVE MRTS_EITHER(1e-12, 1e-5)
 
 /* What is rounding of x beside a point of the parabola; an edge is final if nothing lies further out than EDGES times it. */
 static mrts_real mrts_near_curve(mrts_real y) { return MRTS_ON_CURVE * y * y + MRTS_ROUNDING; }

@@ -35,7 +35,7 @@ static mrts_lanes mrts_passed(const mrts_rows_lanes *rows, const mrts_lanes *fre
         MRTS_UNROLL
         for (int j = 0; j < F; ++j) value += rows->A[i * F + j] * free[j];
         value = mrts_larger_lanes(value - rows->upper[i], rows->lower[i] - value);
-        *finite &= mrts_above(mrts_each(MRTS_INFINITY), mrts_sizes(value));
+        *finite &= mrts_sizes(value) < MRTS_INFINITY;
         most = mrts_larger_lanes(most, value);
     }
     return most;

@@ -536,11 +536,7 @@ static cell_status speeds_of(int k, const mrts_rows *rows, const mrts_real *colu
 }
 #endif
 
-#ifdef MRTS_SINGLE
-#define BINDING MRTS_C(1e-4) /* a row binds if its multiplier exceeds this share of the largest */
-#else
-#define BINDING 1e-7
-#endif
+#define BINDING MRTS_EITHER(1e-7, 1e-4) /* a row binds if its multiplier exceeds this share of the largest */
 
 typedef char lp_work_holds[HOLDS(work, mrts_real, MRTS_LP_WORK(K))];
 typedef char lp_integers_hold[HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS))];
@@ -856,11 +852,7 @@ cell_status cell_equal_share_range(const cell_sample *sample, const cell_setting
     return keep_standing(sample, settings, range);
 }
 
-#ifdef MRTS_SINGLE
-#define TORQUE_WIDENING MRTS_C(1e-5) /* of limits: at the end of a range the feasible set is a point */
-#else
-#define TORQUE_WIDENING 1e-9
-#endif
+#define TORQUE_WIDENING MRTS_EITHER(1e-9, 1e-5) /* of limits: at the end of a range the feasible set is a point */
 
 typedef char qp_work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
 typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
