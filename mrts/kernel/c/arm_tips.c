@@ -13,7 +13,7 @@ static void mrts_less_cross(const mrts_lanes *w, const mrts_lanes *r, mrts_lanes
 
 /* The rates of a tip from those of its arm's joints, first .. end - 1 of all; `change` is the bias acceleration before. */
 static void mrts_tip_by_joints(int first, int end, const mrts_lanes *J, const mrts_lanes *dq, const mrts_lanes *ddq,
-                                             mrts_lanes *rate, mrts_lanes *change) {
+                               mrts_lanes *rate, mrts_lanes *change) {
     for (int i = 0; i < MRTS_SIZE; ++i) rate[i] = mrts_each(0);
     for (int j = first; j < end; ++j) {
         for (int i = 0; i < MRTS_SIZE; ++i) {
@@ -175,8 +175,8 @@ static void mrts_known_most(mrts_lanes value, mrts_lanes *most, mrts_lane_mask *
 }
 
 /* The rates of one arm's tip against those of its grasp, both with their largest component and that of the difference. */
-static void mrts_slips(const mrts_arm *arm, const int *components, const mrts_lanes *wanted,
-                                     const mrts_lanes *tip, mrts_lanes *most, mrts_lane_mask *finite) {
+static void mrts_slips(const mrts_arm *arm, const int *components, const mrts_lanes *wanted, const mrts_lanes *tip,
+                       mrts_lanes *most, mrts_lane_mask *finite) {
     for (int j = 0; j < MRTS_SIZE; ++j) {
         const mrts_lanes *rate = wanted + components[j] / 3 * 3;
         const double *axis = arm->base_rotation + components[j] % 3;
@@ -190,9 +190,8 @@ static void mrts_slips(const mrts_arm *arm, const int *components, const mrts_la
 /* One arm's tip against its grasp; `given` are the inputs of the wrench form, `tip` and `turn` its pose, by columns, `rate`
  * and `change` its rates. */
 static void mrts_off_grasp(const mrts_arm *arm, const int *components, const mrts_lanes *const *given,
-                                         const mrts_lanes *position, const mrts_lanes *tip, const mrts_lanes *turn,
-                                         const mrts_lanes *rate, const mrts_lanes *change, mrts_lanes *most,
-                                         mrts_lane_mask *finite) {
+                           const mrts_lanes *position, const mrts_lanes *tip, const mrts_lanes *turn,
+                           const mrts_lanes *rate, const mrts_lanes *change, mrts_lanes *most, mrts_lane_mask *finite) {
     const mrts_lanes *R = given[MRTS_ROTATION], *w = given[MRTS_TWIST] + 3, *dw = given[MRTS_ACCELERATION] + 3;
     mrts_lanes r[3], velocity[6], acceleration[6], apart = mrts_each(0), turned = apart;
     mrts_lanes swing[3] = {mrts_each(0), mrts_each(0), mrts_each(0)};

@@ -40,8 +40,8 @@ MRTS_EXPORT void mrts_lp_batch(long long count, int k, int rows, const double *g
 
 /* `count` strictly convex quadratic programs; as above, with Hx + g + A'dual_rows + dual_unknowns = 0. */
 MRTS_EXPORT void mrts_qp_batch(long long count, int k, int rows, const double *H, const double *g, const double *A,
-                               const double *lower, const double *upper, double *x, double *dual,
-                               unsigned char *status, double *work, int *iwork) {
+                               const double *lower, const double *upper, double *x, double *dual, unsigned char *status,
+                               double *work, int *iwork) {
     double *u = work + MRTS_QP_WORK(k);
     int *active = iwork + MRTS_QP_IWORK(k, rows), active_count;
     for (long long n = 0; n < count; ++n) {

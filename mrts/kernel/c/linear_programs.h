@@ -209,7 +209,7 @@ static void mrts_lp_factor(int k, int rows, const mrts_real *A, int *row, int *s
 /* The row, of those that `skipped` does not mark, that oversteps its limits the most: 1 + row above its upper, -1 - row
  * below its lower limit, 0 if none does; under Bland's rule the first one that does. */
 static inline int mrts_lp_price(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                             const mrts_real *x, const int *skipped, int bland, mrts_real *excess) {
+                                const mrts_real *x, const int *skipped, int bland, mrts_real *excess) {
     int found = 0;
     mrts_real most = 0;
     for (int row = 0; row < rows + k; ++row) {
@@ -319,8 +319,8 @@ static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_r
  * starts with the columns of the basis' inverse.
  */
 static inline int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                       const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
-                       int *iwork) {
+                          const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
+                          int *iwork) {
     mrts_real *C = work, *alpha = C + k * k;
     int *in_basis = iwork, *passed = in_basis + rows + k, *row = passed + k, *side = row + k, *wanted = side + k;
     const int bland_from = 10 + 2 * (k + rows), limit = 2 * bland_from;
@@ -416,8 +416,8 @@ done:
 /* As mrts_lp, and of its answers; where the rows of `basis` still determine the minimiser they are only solved for, and
  * stay what they are, in the order of their pivots. Where a basis leads to no answer, the program starts cold. */
 static inline int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
-                             const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering,
-                             mrts_real *work, int *iwork) {
+                                const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
+                                int *iwork) {
     const int cold = basis[0] == 0;
     *entering = 0;
     if (!cold && mrts_kept_basis(k, rows, A, lower, upper, g, basis, x, y, work, work + k * k)) return MRTS_OPTIMAL;

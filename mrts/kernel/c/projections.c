@@ -198,7 +198,7 @@ static int mrts_close(const mrts_polytope *in, mrts_polygon *of) {
 }
 
 static int mrts_project(const mrts_polytope *in, mrts_outline *outline, int *count, double *corners, double *work,
-                            int *iwork) {
+                        int *iwork) {
     const int k = in->k;
     mrts_polygon found = {.k = k, .work = work, .iwork = iwork};
     found.places = work + MRTS_LP_WORK(k) + 3 * k;

@@ -76,8 +76,8 @@ static void mrts_row_of(int k, int rows, const mrts_real *A, int row, mrts_real 
 }
 
 /* One step of refinement of x and u on the active rows, whose residuals are solved for. */
-static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real *R, const mrts_real *gradient, mrts_real *w,
-                           mrts_real *x, mrts_real *u) {
+static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real *R, const mrts_real *gradient,
+                           mrts_real *w, mrts_real *x, mrts_real *u) {
     for (int j = 0; j < count; ++j) { /* R'w = what the rows miss */
         for (int i = 0; i < j; ++i) w[j] -= R[j * k + i] * w[i];
         w[j] /= R[j * k + j];
@@ -101,8 +101,8 @@ static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real
  * u:      their multipliers, >= 0 in size: H x + g = sum_j s_j u_j a_j with s_j = 1 at a lower, -1 at an upper limit.
  */
 static inline int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
-                       const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
-                       mrts_real *work, int *iwork) {
+                          const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
+                          mrts_real *work, int *iwork) {
     mrts_real *L = work, *J = L + k * k, *R = J + k * k, *a = R + k * k, *d = a + k, *z = d + k, *r = z + k;
     int *is_active = iwork;
     const int limit = 20 + 4 * (k + rows);

@@ -66,7 +66,8 @@ typedef struct {
     const double *around; /* x > 0 where tangents are laid, (n) */
 } mrts_smooth_program;
 
-/* A profile and what belongs to it, in the caller's memory. */
+/* A profile and what belongs to it, and the iterates and their steps, in the caller's memory. Slots are those of all nodes,
+ * then those of the duration and of the share. */
 typedef struct {
     double *x, *u, *free;     /* (n), (n), (n, f) */
     double *control;          /* x is a spline: x_k = near_k control_k + far_k control_(k+1), (n + 1) */
@@ -89,6 +90,23 @@ typedef struct {
     double *segment_second;   /* along (x, x'), (x, u'), (u, x'), (u, u'), (n - 1, 4) */
     double *pressing, *holding; /* of a node: multipliers above and below, (r) */
     double unit;              /* of the objective */
+    long long slots;           /* how many */
+    int present;               /* slots with a limit */
+    double *s, *y;             /* slacks and multipliers, infinity and 0 where there is no limit */
+    double *by_s, *weight;     /* 1 / s, 0 where there is no limit, and y / s */
+    double *missed, *ds, *dy;  /* g + s, and the steps */
+    double *target, *before;   /* multipliers that the right side is made of, and what the share pulls at */
+    double *gx, *gu, *gf;      /* the gradient of the objective */
+    double *px, *pu, *pf;      /* another one, or a step */
+    double *b, *w;             /* unknowns: a right side and its step; the factor's answer to what borders the matrix */
+    double *border;            /* unknowns: how the share pulls at them, or the duration */
+    double share;              /* by which limits of changes and jerks are relaxed */
+    double share_step;         /* of it */
+    double pull;               /* the second derivative along the border that the factor leaves */
+    double *factor, *fronts;
+    double slack_reach;        /* the longest parts of a step that leave slacks, multipliers and x no less than 0 */
+    double dual_reach, x_reach;
+    double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
 } mrts_smooth_state;
 
 /* Slots of a node alone, and with those of its segment. */
@@ -102,25 +120,6 @@ static inline int mrts_smooth_slots(const mrts_smooth_program *p) {
  */
 
 #define MRTS_SMOOTH_APEX 1e-4 /* of a limit: cones are rounded there, and narrower by half its square at most */
-
-/* A state laid out in memory; how many reals it takes. */
-static long long mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *state) {
-    const long long n = p->nodes, r = p->rows, f = n * p->free, nr = n * r, cones = n * p->cones, c = p->changes;
-    double **of[] = {&state->x,           &state->u,           &state->near,           &state->far,
-                     &state->slope,       &state->around,      &state->root_around,    &state->by_time,
-                     &state->time_x,      &state->time_x1,     &state->duration_x,     &state->free,
-                     &state->control,     &state->by_change,   &state->value,          &state->above,
-                     &state->below,       &state->above_x,     &state->below_x,        &state->row_weight,
-                     &state->row_cross,   &state->cone_u,      &state->cone_x,         &state->cone_root,
-                     &state->change_weight, &state->change_before, &state->change_after, &state->node_second,
-                     &state->segment_second, &state->pressing, &state->holding};
-    const long long size[] = {n,  n,  n,  n,  n,     n,     n,     n,     n,     n,     n,     f,     n + 1, c, nr, nr,
-                              nr, nr, nr, nr, nr,    cones, cones, cones, n * c, n * c, n * c, 3 * n, 4 * n, r, r};
-    long long taken = 0;
-    for (unsigned i = 0; i < sizeof size / sizeof *size; taken += size[i++]) *of[i] = memory ? memory + taken : memory;
-    state->unit = 1;
-    return taken;
-}
 
 /* Lays tangents at a profile. */
 static void mrts_smooth_tangents(const mrts_smooth_program *p, mrts_smooth_state *state, const double *around) {
@@ -247,9 +246,9 @@ static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_
 }
 
 /* g of every slot, and what of the rows goes into it. */
-static void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *state, double *g) {
-    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
-    const int segment = mrts_smooth_node_slots(p);
+static void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *state) {
+    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p), segment = mrts_smooth_node_slots(p);
+    double *g = state->missed;
     for (int k = 0; k < n; ++k) {
         mrts_smooth_node(p, state, k);
         mrts_smooth_cones(p, state, k, g + (long long)k * slots + 2 * r);
@@ -266,10 +265,11 @@ static void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *
     }
 }
 
-/* What a step (dx, du, df) of the profile changes in every g, to first order. */
-static void mrts_smooth_moved(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *dx,
-                                  const double *du, const double *df, double *dg) {
+/* What the step changes in every g, to first order. */
+static void mrts_smooth_moved(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
+    const double *dx = state->px, *du = state->pu, *df = state->pf;
+    double *dg = state->ds;
     double *above = state->row_weight, *below = state->row_cross; /* their second derivatives have been used */
     for (int k = 0; k < n; ++k) {
         const long long at = (long long)k * r;
@@ -315,9 +315,9 @@ static void mrts_smooth_presses(const mrts_smooth_program *p, mrts_smooth_state 
     }
 }
 
-/* Adds the gradient of sum y g along x, u and F. */
-static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y, double *gx,
-                                   double *gu, double *gf) {
+/* Adds the gradient of sum y g along x, u and F to px, pu, pf. */
+static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *state, const double *y) {
+    double *gx = state->px, *gu = state->pu, *gf = state->pf;
     const int n = p->nodes, r = p->rows, c = p->changes, J = p->jerks, slots = mrts_smooth_slots(p);
     for (int k = 0; k < n; ++k) {
         const long long at = (long long)k * r;
@@ -377,11 +377,11 @@ static double mrts_smooth_spacing(const mrts_smooth_program *p, int k) {
     return ((k > 0 ? p->step[k - 1] : 0) + (k < p->nodes - 1 ? p->step[k] : 0)) / 2;
 }
 
-/* The objective in its unit, its gradient added along x, u and F, and the duration. */
-static double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smooth_state *state, double *gx, double *gu,
-                                        double *gf, double *duration) {
+/* The objective in its unit, its gradient, and the duration. */
+static double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smooth_state *state, double *duration) {
     const int n = p->nodes, r = p->rows;
-    double total = 0, effort = 0;
+    double total = 0, effort = 0, *gx = state->gx, *gu = state->gu, *gf = state->gf;
+    for (long long i = 0; i < (long long)n * (2 + p->free); ++i) gx[i] = 0;
     for (int k = 0; k < n; ++k) state->duration_x[k] = 0;
     for (int k = 0; k < n - 1; ++k) {
         const double root = sqrt(state->x[k]), next = sqrt(state->x[k + 1]), sum = root + next;
@@ -435,11 +435,10 @@ static void mrts_smooth_cone_second(const mrts_smooth_program *p, const mrts_smo
 }
 
 /* Of a node: its slots, the effort, and the bend of what replaces roots. */
-static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
-                                    const double *multiplier, int k) {
+static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_state *state, int k) {
     const int r = p->rows, slots = mrts_smooth_slots(p);
     const long long at = (long long)k * r;
-    const double *above = weight + (long long)k * slots, *below = above + r;
+    const double *above = state->weight + (long long)k * slots, *below = above + r;
     double *along = state->row_weight + at, *cross = state->row_cross + at, second = 0;
     for (int j = 0; j < r; ++j) {
         const double up = above[j], down = below[j];
@@ -459,7 +458,7 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
         }
     }
     if (p->root) {
-        mrts_smooth_presses(p, state, multiplier, k);
+        mrts_smooth_presses(p, state, state->y, k);
         for (int j = 0; j < r; ++j) {
             const double by = p->root[at + j];
             second += (by < 0 ? -by * state->pressing[j] : by * state->holding[j]) / (4 * x * root);
@@ -467,8 +466,7 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
     }
     state->node_second[3 * k] = second;
     state->node_second[3 * k + 1] = state->node_second[3 * k + 2] = 0;
-    mrts_smooth_cone_second(p, state, below + r, multiplier + (long long)k * slots + 2 * r, k,
-                            state->node_second + 3 * k);
+    mrts_smooth_cone_second(p, state, below + r, state->y + (long long)k * slots + 2 * r, k, state->node_second + 3 * k);
 }
 
 /* Of a segment: the duration, weighed by `time`. */
@@ -512,8 +510,7 @@ static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_
 }
 
 /* Of a segment: its jerks. */
-static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights,
-                                    int k) {
+static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights, int k) {
     const int J = p->jerks;
     double *segment = state->segment_second + 4 * k;
     for (int e = 0; e < 2; ++e, weights += 2 * J) {
@@ -544,13 +541,12 @@ static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_st
     }
 }
 
-/* Second derivatives of objective + sum of multiplier g, plus sum of weight times g's gradient squared. */
-static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
-                                   const double *multiplier) {
+/* Second derivatives of objective + sum of y g, plus sum of weight times g's gradient squared. */
+static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const int n = p->nodes, slots = mrts_smooth_slots(p);
     double time = p->time / state->unit;
-    if (p->longest < MRTS_INFINITY) time += multiplier[(long long)n * slots] / p->longest;
-    for (int k = 0; k < n; ++k) mrts_smooth_node_second(p, state, weight, multiplier, k);
+    if (p->longest < MRTS_INFINITY) time += state->y[(long long)n * slots] / p->longest;
+    for (int k = 0; k < n; ++k) mrts_smooth_node_second(p, state, k);
     for (int k = 0; k < n - 1; ++k) {
         const long long at = (long long)k * slots + mrts_smooth_node_slots(p);
         for (int i = 0; i < 4; ++i) state->segment_second[4 * k + i] = 0;
@@ -559,8 +555,8 @@ static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *
         state->node_second[3 * k + 2] += even;
         state->node_second[3 * k + 5] += even;
         state->segment_second[4 * k + 3] -= even;
-        mrts_smooth_change_second(p, state, weight + at, k);
-        mrts_smooth_jerk_second(p, state, weight + at + 2 * p->changes, k);
+        mrts_smooth_change_second(p, state, state->weight + at, k);
+        mrts_smooth_jerk_second(p, state, state->weight + at + 2 * p->changes, k);
     }
 }
 
@@ -763,11 +759,10 @@ static void mrts_front_eliminate(int m, int p, double *A, const double *diagonal
 }
 
 /* Factors the matrix that the second derivatives of the state make. */
-static void mrts_front_factor(const mrts_smooth_program *p, const mrts_smooth_state *state, double *factor,
-                                  double *work) {
+static void mrts_front_factor(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const int n = p->nodes, f = p->free, size = f + 2;
-    double *A = work, *diagonal = work + (2 * f + 3) * (2 * f + 3), *carried = diagonal + size;
-    double *starts = carried + size * size;
+    double *A = state->fronts, *diagonal = A + (2 * f + 3) * (2 * f + 3), *carried = diagonal + size;
+    double *starts = carried + size * size, *factor = state->factor;
     for (int i = 0; i < size * size; ++i) carried[i] = 0;
     for (int k = 0; k < n; ++k) {
         const int last = k == n - 1, pivots = last ? size : f + 1;
@@ -824,10 +819,10 @@ static void mrts_front_solve(const mrts_smooth_program *p, const double *factor,
     }
 }
 
-/* A gradient along x, u and F as one along the unknowns. */
-static void mrts_front_gather(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *gx,
-                                  const double *gu, const double *gf, double *b) {
+/* The gradient px, pu, pf as one along the unknowns. */
+static void mrts_front_gather(const mrts_smooth_program *p, const mrts_smooth_state *state, double *b) {
     const int f = p->free, q = f + 1;
+    const double *gx = state->px, *gu = state->pu, *gf = state->pf;
     double passed = 0;
     for (int k = 0; k < p->nodes; ++k) {
         double *here = b + (long long)k * q;
@@ -838,16 +833,15 @@ static void mrts_front_gather(const mrts_smooth_program *p, const mrts_smooth_st
     b[(long long)p->nodes * q] = passed;
 }
 
-/* A step of the unknowns as one of x, u and F. */
-static void mrts_front_scatter(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *b,
-                                   double *dx, double *du, double *df) {
+/* The step b of the unknowns as one of x, u and F. */
+static void mrts_front_scatter(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const int n = p->nodes, f = p->free, q = f + 1;
     for (int k = 0; k < n; ++k) {
-        const double *here = b + (long long)k * q;
+        const double *here = state->b + (long long)k * q;
         const double c = here[f], next = k < n - 1 ? here[q + f] : here[q];
-        for (int i = 0; i < f; ++i) df[(long long)k * f + i] = here[i];
-        dx[k] = state->near[k] * c + state->far[k] * next;
-        du[k] = state->slope[k] * (next - c);
+        for (int i = 0; i < f; ++i) state->pf[(long long)k * f + i] = here[i];
+        state->px[k] = state->near[k] * c + state->far[k] * next;
+        state->pu[k] = state->slope[k] * (next - c);
     }
 }
 
@@ -875,27 +869,6 @@ enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
 #define MRTS_SMOOTH_ROUNDING 1e-13 /* of a sum, what is left of it where all of it cancels */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
-/* The iterates and their steps. */
-typedef struct {
-    long long slots;           /* of all nodes, and that of the duration */
-    int present;               /* slots with a limit */
-    double *s, *y;             /* slacks and multipliers, infinity and 0 where there is no limit */
-    double *by_s, *weight;     /* 1 / s, 0 where there is no limit, and y / s */
-    double *missed, *ds, *dy;  /* g + s, and the steps */
-    double *target, *before;   /* multipliers that the right side is made of, and what the share pulls at */
-    double *gx, *gu, *gf;      /* the gradient of the objective */
-    double *px, *pu, *pf;      /* another one, or a step */
-    double *b, *w;             /* unknowns: a right side and its step; the factor's answer to what borders the matrix */
-    double *border;            /* unknowns: how the share pulls at them, or the duration */
-    double share;              /* by which limits of changes and jerks are relaxed */
-    double share_step;         /* of it */
-    double pull;               /* the second derivative along the border that the factor leaves */
-    double *factor, *fronts;
-    double slack_reach;        /* the longest parts of a step that leave slacks, multipliers and x no less than 0 */
-    double dual_reach, x_reach;
-    double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
-} mrts_smooth_iterate;
-
 static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
     return (long long)p->nodes * mrts_smooth_slots(p) + 2;
 }
@@ -917,36 +890,42 @@ MRTS_EXPORT long long mrts_smooth_kept(const mrts_smooth_program *p) {
     return 2 * mrts_smooth_all_slots(p) + (long long)p->nodes * (p->free + 1) + 2;
 }
 
-MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
-    const long long n = p->nodes;
-    mrts_smooth_state unused;
-    return mrts_smooth_state_in(p, 0, &unused) + 9 * mrts_smooth_all_slots(p) + 2 * n * (2 + p->free) +
-           3 * mrts_front_unknowns(p) + mrts_front_size(p) + mrts_front_work(p) + mrts_smooth_kept(p);
+/* A state laid out in memory, the gradients' parts and those of the steps in a row; how many reals it takes. */
+static long long mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *at) {
+    const long long n = p->nodes, r = p->rows, f = n * p->free, nr = n * r, cones = n * p->cones, c = p->changes;
+    const long long slots = mrts_smooth_all_slots(p), unknowns = mrts_front_unknowns(p);
+    const struct {
+        double **of;
+        long long size;
+    } parts[] = {
+        {&at->x, n}, {&at->u, n}, {&at->near, n}, {&at->far, n}, {&at->slope, n}, {&at->around, n}, {&at->root_around, n},
+        {&at->by_time, n}, {&at->time_x, n}, {&at->time_x1, n}, {&at->duration_x, n}, {&at->free, f}, {&at->control, n + 1},
+        {&at->by_change, c}, {&at->value, nr}, {&at->above, nr}, {&at->below, nr}, {&at->above_x, nr}, {&at->below_x, nr},
+        {&at->row_weight, nr}, {&at->row_cross, nr}, {&at->cone_u, cones}, {&at->cone_x, cones}, {&at->cone_root, cones},
+        {&at->change_weight, n * c}, {&at->change_before, n * c}, {&at->change_after, n * c}, {&at->node_second, 3 * n},
+        {&at->segment_second, 4 * n}, {&at->pressing, r}, {&at->holding, r}, {&at->s, slots}, {&at->y, slots},
+        {&at->by_s, slots}, {&at->weight, slots}, {&at->missed, slots}, {&at->ds, slots}, {&at->dy, slots},
+        {&at->target, slots}, {&at->before, slots}, {&at->gx, n}, {&at->gu, n}, {&at->gf, f}, {&at->px, n}, {&at->pu, n},
+        {&at->pf, f}, {&at->b, unknowns}, {&at->w, unknowns}, {&at->border, unknowns}, {&at->factor, mrts_front_size(p)},
+        {&at->fronts, mrts_front_work(p)}, {&at->kept, mrts_smooth_kept(p)},
+    };
+    long long taken = 0;
+    for (unsigned i = 0; i < sizeof parts / sizeof *parts; taken += parts[i++].size) {
+        *parts[i].of = memory ? memory + taken : memory;
+    }
+    at->unit = 1;
+    at->slots = slots;
+    at->share = 0;
+    return taken;
 }
 
-static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory, mrts_smooth_iterate *at) {
-    const long long n = p->nodes, nf = n * p->free, slots = mrts_smooth_all_slots(p);
-    double **of[] = {&at->s,  &at->y,  &at->by_s,   &at->weight, &at->missed,
-                     &at->ds, &at->dy, &at->target, &at->before};
-    at->slots = slots;
-    for (int i = 0; i < 9; ++i, memory += slots) *of[i] = memory;
-    at->gx = memory;
-    at->gu = at->gx + n;
-    at->gf = at->gu + n;
-    at->px = at->gf + nf;
-    at->pu = at->px + n;
-    at->pf = at->pu + n;
-    at->b = at->pf + nf;
-    at->w = at->b + mrts_front_unknowns(p);
-    at->border = at->w + mrts_front_unknowns(p);
-    at->factor = at->border + mrts_front_unknowns(p);
-    at->share = 0;
-    at->fronts = at->factor + mrts_front_size(p);
-    at->kept = at->fronts + mrts_front_work(p);
+MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p) {
+    mrts_smooth_state unused;
+    return mrts_smooth_state_in(p, 0, &unused);
 }
 
 /* Marks the slots that have a limit by multipliers of 1. */
-static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_iterate *at) {
+static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_state *at) {
     const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p), segment = mrts_smooth_node_slots(p);
     at->present = 0;
     for (int k = 0; k < n; ++k) {
@@ -973,17 +952,14 @@ static void mrts_smooth_copy(long long count, const double *from, double *to) {
     for (long long i = 0; i < count; ++i) to[i] = from[i];
 }
 
-/* g of all slots into `g`, the objective and its gradient; its unit where `first`. */
-static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
-                                   int first, double *g) {
-    const long long n = p->nodes;
-    double duration, objective;
-    mrts_smooth_values(p, state, g);
+/* g of all slots into `missed`, the objective and its gradient; its unit where `first`. */
+static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_state *at, int first) {
+    double duration, objective, *g = at->missed;
+    mrts_smooth_values(p, at);
     for (;;) {
-        mrts_smooth_clear(n * (2 + p->free), at->gx);
-        objective = mrts_smooth_objective(p, state, at->gx, at->gu, at->gf, &duration);
+        objective = mrts_smooth_objective(p, at, &duration);
         if (!first || !(objective > 0)) break;
-        state->unit = objective;
+        at->unit = objective;
         first = 0;
     }
     g[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
@@ -1000,12 +976,12 @@ static double mrts_smooth_share_slope(const mrts_smooth_program *p, const double
 }
 
 /* By how much the slope of the Lagrangian would let it fall: twice what a Newton step with the last factor gains. */
-static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_state *at) {
     const long long n = p->nodes, unknowns = mrts_front_unknowns(p);
     double sum = 0;
     mrts_smooth_copy(n * (2 + p->free), at->gx, at->px);
-    mrts_smooth_pulled(p, state, at->y, at->px, at->pu, at->pf);
-    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    mrts_smooth_pulled(p, at, at->y);
+    mrts_front_gather(p, at, at->b);
     mrts_smooth_copy(unknowns, at->b, at->w);
     mrts_front_solve(p, at->factor, at->w);
     for (long long i = 0; i < unknowns; ++i) sum += at->b[i] * at->w[i];
@@ -1017,16 +993,16 @@ static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_st
 }
 
 /* Whether a column borders the Newton matrix. */
-static int mrts_smooth_bordered(const mrts_smooth_program *p, const mrts_smooth_iterate *at) {
+static int mrts_smooth_bordered(const mrts_smooth_program *p, const mrts_smooth_state *at) {
     return p->relaxed > 0 || at->y[mrts_smooth_duration_slot(p)] > 0;
 }
 
 /* The right side -gradient - sum of target g's gradient, solved for; the step goes to px, pu, pf and ds, dy. */
-static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *at) {
     const long long n = p->nodes, nf = n * p->free, unknowns = mrts_front_unknowns(p), last = mrts_smooth_duration_slot(p);
     for (long long i = 0; i < 2 * n + nf; ++i) at->px[i] = at->gx[i];
-    mrts_smooth_pulled(p, state, at->target, at->px, at->pu, at->pf);
-    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->b);
+    mrts_smooth_pulled(p, at, at->target);
+    mrts_front_gather(p, at, at->b);
     for (long long i = 0; i < unknowns; ++i) at->b[i] = -at->b[i];
     mrts_front_solve(p, at->factor, at->b);
     double along = 0; /* the border: the step of the share, or less what the duration's slot adds to its multiplier */
@@ -1036,8 +1012,8 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
         for (long long i = 0; i < unknowns; ++i) at->b[i] += along * at->w[i];
     }
     at->share_step = p->relaxed > 0 ? along : 0;
-    mrts_front_scatter(p, state, at->b, at->px, at->pu, at->pf);
-    mrts_smooth_moved(p, state, at->px, at->pu, at->pf, at->ds);
+    mrts_front_scatter(p, at);
+    mrts_smooth_moved(p, at);
     if (p->relaxed > 0) {
         for (long long i = 0; i < last; ++i) at->ds[i] -= mrts_smooth_relaxes(p, i) ? along : 0;
         at->ds[mrts_smooth_share_slot(p)] = -along;
@@ -1053,7 +1029,7 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
         if (-dy * up > at->y[i]) up = -at->y[i] / dy;
     }
     for (long long k = 0; k < n; ++k) {
-        if (-at->px[k] * x > state->x[k]) x = -state->x[k] / at->px[k];
+        if (-at->px[k] * x > at->x[k]) x = -at->x[k] / at->px[k];
     }
     at->slack_reach = most;
     at->dual_reach = up;
@@ -1061,19 +1037,19 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
 }
 
 /* The length, at most 1, of a step of the profile that leaves slacks a share of what they are. */
-static double mrts_smooth_length(const mrts_smooth_iterate *at, double boundary) {
+static double mrts_smooth_length(const mrts_smooth_state *at, double boundary) {
     const double slack = boundary * at->slack_reach, x = (1 - MRTS_SMOOTH_LEAST) * at->x_reach;
     const double length = slack < x ? slack : x;
     return length < 1 ? length : 1;
 }
 
 /* Likewise of multipliers. */
-static double mrts_smooth_dual_length(const mrts_smooth_iterate *at, double boundary) {
+static double mrts_smooth_dual_length(const mrts_smooth_state *at, double boundary) {
     return boundary * at->dual_reach < 1 ? boundary * at->dual_reach : 1;
 }
 
 /* Answers what the share or the duration pulls at by the factor, into w; only one of them is limited. */
-static void mrts_smooth_answer_border(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+static void mrts_smooth_answer_border(const mrts_smooth_program *p, mrts_smooth_state *at) {
     const long long n = p->nodes, unknowns = mrts_front_unknowns(p), last = mrts_smooth_duration_slot(p);
     double along = at->weight[mrts_smooth_share_slot(p)];
     mrts_smooth_clear(n * (2 + p->free), at->px);
@@ -1084,11 +1060,11 @@ static void mrts_smooth_answer_border(const mrts_smooth_program *p, mrts_smooth_
             at->before[i] = at->weight[i];
             along += at->weight[i];
         }
-        mrts_smooth_pulled(p, state, at->before, at->px, at->pu, at->pf);
+        mrts_smooth_pulled(p, at, at->before);
     } else {
-        for (long long k = 0; k < n; ++k) at->px[k] = state->duration_x[k] / p->longest;
+        for (long long k = 0; k < n; ++k) at->px[k] = at->duration_x[k] / p->longest;
     }
-    mrts_front_gather(p, state, at->px, at->pu, at->pf, at->border);
+    mrts_front_gather(p, at, at->border);
     mrts_smooth_copy(unknowns, at->border, at->w);
     mrts_front_solve(p, at->factor, at->w);
     const double answered = mrts_dot((int)unknowns, at->border, at->w);
@@ -1097,25 +1073,24 @@ static void mrts_smooth_answer_border(const mrts_smooth_program *p, mrts_smooth_
 }
 
 /* One iteration from an evaluated point; the length of its step. */
-static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
-                                  double gap, double size) {
+static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *at, double gap, double size) {
     const double mean = gap / at->present;
     for (long long i = 0; i < at->slots; ++i) {
         at->by_s[i] = at->y[i] > 0 ? 1 / at->s[i] : 0;
         at->weight[i] = at->y[i] * at->by_s[i];
         at->target[i] = at->weight[i] * at->missed[i];
     }
-    mrts_smooth_second(p, state, at->weight, at->y);
-    mrts_front_factor(p, state, at->factor, at->fronts);
-    if (mrts_smooth_bordered(p, at)) mrts_smooth_answer_border(p, state, at);
-    mrts_smooth_newton(p, state, at);
+    mrts_smooth_second(p, at);
+    mrts_front_factor(p, at);
+    if (mrts_smooth_bordered(p, at)) mrts_smooth_answer_border(p, at);
+    mrts_smooth_newton(p, at);
     double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1), left = 0;
     for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
     const double share = left / gap, least = MRTS_SMOOTH_AIM * size / at->present;
     double centre = share * share * share * mean;
     if (centre < least) centre = least;
     for (long long i = 0; i < at->slots; ++i) at->target[i] += (centre - at->ds[i] * at->dy[i]) * at->by_s[i];
-    mrts_smooth_newton(p, state, at);
+    mrts_smooth_newton(p, at);
     length = mrts_smooth_length(at, MRTS_SMOOTH_BOUNDARY);
     dual = mrts_smooth_dual_length(at, MRTS_SMOOTH_BOUNDARY);
     for (long long i = 0; i < at->slots; ++i) {
@@ -1125,17 +1100,17 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     at->share += length * at->share_step;
     if (!p->timed) {
         const int n = p->nodes, q = p->free + 1;
-        for (int k = 0; k < n; ++k) state->control[k] += length * at->b[(long long)k * q + p->free];
-        state->control[n] += length * at->b[(long long)n * q];
-        mrts_smooth_profile(p, state);
+        for (int k = 0; k < n; ++k) at->control[k] += length * at->b[(long long)k * q + p->free];
+        at->control[n] += length * at->b[(long long)n * q];
+        mrts_smooth_profile(p, at);
     }
-    for (long long i = 0; i < (long long)p->nodes * p->free; ++i) state->free[i] += length * at->pf[i];
+    for (long long i = 0; i < (long long)p->nodes * p->free; ++i) at->free[i] += length * at->pf[i];
     return length;
 }
 
 /* Keeps the iterate for a program that is near. */
-static void mrts_smooth_keep(const mrts_smooth_program *p, const mrts_smooth_state *state, mrts_smooth_iterate *at) {
-    const double *of[] = {at->s, at->y, state->free, state->control, &state->unit};
+static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *at) {
+    const double *of[] = {at->s, at->y, at->free, at->control, &at->unit};
     const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
     double *kept = at->kept;
     for (int i = 0; i < 5; kept += counts[i++]) mrts_smooth_copy(counts[i], of[i], kept);
@@ -1143,7 +1118,7 @@ static void mrts_smooth_keep(const mrts_smooth_program *p, const mrts_smooth_sta
 
 /* Takes the iterate that was kept of a program that is near, but what is given; a slot that had no limit there begins at
  * the centre. */
-static void mrts_smooth_take_kept(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+static void mrts_smooth_take_kept(const mrts_smooth_program *p, mrts_smooth_state *at) {
     const double *s = at->kept, *y = s + at->slots, *free = y + at->slots, *control = free + (long long)p->nodes * p->free;
     double gap = 0;
     int both = 0;
@@ -1158,15 +1133,16 @@ static void mrts_smooth_take_kept(const mrts_smooth_program *p, mrts_smooth_stat
         at->y[i] = !is ? 0 : was ? y[i] : gap / (both * MRTS_SMOOTH_SLACK);
     }
     const int held = p->held_start * p->free;
-    mrts_smooth_copy((long long)(p->nodes - p->held_end) * p->free - held, free + held, state->free + held);
+    mrts_smooth_copy((long long)(p->nodes - p->held_end) * p->free - held, free + held, at->free + held);
     mrts_smooth_copy(p->nodes + 1 - p->given_start - p->given_end, control + p->given_start,
-                     state->control + p->given_start);
-    state->unit = control[p->nodes + 1];
-    mrts_smooth_profile(p, state);
+                     at->control + p->given_start);
+    at->unit = control[p->nodes + 1];
+    mrts_smooth_profile(p, at);
 }
 
 /* Slacks and multipliers to start with, and a share that leaves room to all that it relaxes. */
-static void mrts_smooth_first(const mrts_smooth_program *p, mrts_smooth_iterate *at, double *g) {
+static void mrts_smooth_first(const mrts_smooth_program *p, mrts_smooth_state *at) {
+    double *g = at->missed;
     for (long long i = 0; i < at->slots && p->relaxed > 0; ++i) {
         const double share = mrts_smooth_relaxes(p, i) && at->y[i] > 0 ? g[i] + MRTS_SMOOTH_SLACK : MRTS_SMOOTH_SLACK;
         if (share > at->share) at->share = share;
@@ -1186,10 +1162,9 @@ typedef struct {
 } mrts_smooth_distance;
 
 /* Evaluates the iterate; where `first`, also the unit of the objective, slacks and multipliers. */
-static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts_smooth_state *state,
-                                              mrts_smooth_iterate *at, int first) {
-    mrts_smooth_distance is = {mrts_smooth_evaluate(p, state, at, first, at->missed), 0, 0, 0};
-    if (first) mrts_smooth_first(p, at, at->missed);
+static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts_smooth_state *at, int first) {
+    mrts_smooth_distance is = {mrts_smooth_evaluate(p, at, first), 0, 0, 0};
+    if (first) mrts_smooth_first(p, at);
     is.objective += p->relaxed * at->share;
     for (long long i = 0; i < at->slots; ++i) {
         if (mrts_smooth_relaxes(p, i)) at->missed[i] -= at->share;
@@ -1212,39 +1187,38 @@ static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts
 MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, double *share,
                                   int *iterations, double *work) {
     const long long n = p->nodes, nf = n * p->free;
-    mrts_smooth_state state;
-    mrts_smooth_iterate at;
+    mrts_smooth_state at;
     int found = MRTS_SMOOTH_STOPPED, kept = 0;
-    mrts_smooth_iterate_in(p, work + mrts_smooth_state_in(p, work, &state), &at);
+    mrts_smooth_state_in(p, work, &at);
     mrts_smooth_clear(mrts_smooth_work(p) - (p->again ? mrts_smooth_kept(p) : 0), work);
-    mrts_smooth_copy(n, x, state.x);
-    mrts_smooth_copy(n, u, state.u);
-    if (p->held_start) mrts_smooth_copy(p->free, free, state.free);
-    if (p->held_end) mrts_smooth_copy(p->free, free + nf - p->free, state.free + nf - p->free);
-    mrts_smooth_tangents(p, &state, p->around);
-    mrts_smooth_start(p, &state);
+    mrts_smooth_copy(n, x, at.x);
+    mrts_smooth_copy(n, u, at.u);
+    if (p->held_start) mrts_smooth_copy(p->free, free, at.free);
+    if (p->held_end) mrts_smooth_copy(p->free, free + nf - p->free, at.free + nf - p->free);
+    mrts_smooth_tangents(p, &at, p->around);
+    mrts_smooth_start(p, &at);
     mrts_smooth_present(p, &at);
-    if (p->again) mrts_smooth_take_kept(p, &state, &at);
+    if (p->again) mrts_smooth_take_kept(p, &at);
     for (*iterations = 0; *iterations < MRTS_SMOOTH_MOST; ++*iterations) {
-        const mrts_smooth_distance is = mrts_smooth_judge(p, &state, &at, *iterations == 0 && !p->again);
+        const mrts_smooth_distance is = mrts_smooth_judge(p, &at, *iterations == 0 && !p->again);
         const double size = is.objective + MRTS_SMALL;
         if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
-            *iterations > 0 && mrts_smooth_decrement(p, &state, &at) <= MRTS_SMOOTH_GAP * size) {
+            *iterations > 0 && mrts_smooth_decrement(p, &at) <= MRTS_SMOOTH_GAP * size) {
             found = MRTS_SMOOTH_FOUND;
-            if (!kept) mrts_smooth_keep(p, &state, &at);
+            if (!kept) mrts_smooth_keep(p, &at);
             break;
         }
         if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
         if (!kept && !p->timed && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
-            mrts_smooth_keep(p, &state, &at);
+            mrts_smooth_keep(p, &at);
             kept = 1;
         }
-        if (!(mrts_smooth_advance(p, &state, &at, is.gap, size) > MRTS_SMOOTH_SHORT)) break;
-        if (p->moving && is.gap > MRTS_SMOOTH_LAID * size) mrts_smooth_tangents(p, &state, state.x);
+        if (!(mrts_smooth_advance(p, &at, is.gap, size) > MRTS_SMOOTH_SHORT)) break;
+        if (p->moving && is.gap > MRTS_SMOOTH_LAID * size) mrts_smooth_tangents(p, &at, at.x);
     }
-    mrts_smooth_copy(n, state.x, x);
-    mrts_smooth_copy(n, state.u, u);
-    mrts_smooth_copy(nf, state.free, free);
+    mrts_smooth_copy(n, at.x, x);
+    mrts_smooth_copy(n, at.u, u);
+    mrts_smooth_copy(nf, at.free, free);
     *share = at.share;
     return found;
 }

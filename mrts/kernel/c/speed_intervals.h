@@ -67,7 +67,7 @@ typedef struct {
 
 /* The column of y: what a speed of 1 adds to each row, in units of its limit. */
 static inline void mrts_speed_column(int joints, const mrts_limits *limits, const mrts_terms *terms, const mrts_rows *rows,
-                                  mrts_real *speed) {
+                                     mrts_real *speed) {
     for (int i = 0; i < rows->count; ++i) {
         const int row = rows->which[i];
         mrts_real sum = terms->speed ? terms->speed[row] : 0;
@@ -81,7 +81,7 @@ static inline void mrts_speed_column(int joints, const mrts_limits *limits, cons
 /* Puts scaled rows over F and x = c^2 and a column of y together; `column` are the scales of mrts_scale_columns. Returns the
  * unit of x, that of y is its root: so that together they move some row by about one limit. 0 where neither moves any. */
 static inline mrts_real mrts_curve_over(int k, const mrts_rows *rows, const mrts_real *column, const mrts_real *speed,
-                                     mrts_real *work, int *iwork, mrts_curve *curve) {
+                                        mrts_real *work, int *iwork, mrts_curve *curve) {
     const int n = k + 1, count = rows->count + 1;
     mrts_real of_square = 0, of_speed = 0, unit = 0;
     curve->n = n;
@@ -141,8 +141,7 @@ static void mrts_box(mrts_curve *curve, mrts_real least_x, mrts_real most_x, mrt
 }
 
 /* The point that minimises gx x + gy y, and the multiplier of the cut, >= 0; a status of mrts_lp. */
-static int mrts_outermost(mrts_curve *curve, mrts_real gx, mrts_real gy, int *basis, mrts_point *found,
-                          mrts_real *of_cut) {
+static int mrts_outermost(mrts_curve *curve, mrts_real gx, mrts_real gy, int *basis, mrts_point *found, mrts_real *of_cut) {
     const int n = curve->n;
     mrts_real *g = curve->work, *z = g + n, *dual = z + n;
     int entering;
@@ -220,8 +219,7 @@ static void mrts_keep_end(const mrts_curve *curve, const int *basis, int end, mr
 }
 
 /* The points with the least and the largest y that have some x >= y^2. */
-static int mrts_outer_ends(mrts_curve *curve, mrts_real reach, mrts_curve_ends *ends, mrts_point *low,
-                           mrts_point *high) {
+static int mrts_outer_ends(mrts_curve *curve, mrts_real reach, mrts_curve_ends *ends, mrts_point *low, mrts_point *high) {
     const int n = curve->n, y = curve->rows + n - 1;
     int *basis = ends->basis + MRTS_BASIS_UPPER * n, status;
     mrts_real unused;

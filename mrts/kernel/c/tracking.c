@@ -8,8 +8,8 @@
 typedef void (*mrts_function)(const double *const *arg, double *const *res);
 
 /* Evaluates a generated function at `count` samples; a stride of 0 repeats an input. `in` and `out` move along. */
-MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, const double **in, const long long *in_stride,
-                          int outputs, double **out, const long long *out_stride) {
+MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, const double **in,
+                          const long long *in_stride, int outputs, double **out, const long long *out_stride) {
     for (long long sample = 0; sample < count; ++sample) {
         function(in, out);
         for (int i = 0; i < inputs; ++i) in[i] += in_stride[i];
@@ -223,7 +223,7 @@ static double mrts_add_preferred(int joints, const mrts_null_space *space, const
 /* The null spaces of the redundant arms at q, and their multipliers F of least squares. `fold` is the curvature of H at
  * which its minimum ends. */
 static void mrts_null_spaces(const mrts_preference *wish, double fold, const double *geometry, const double *q,
-                                 const double *reference, const double *J_all, mrts_null_space *spaces, double *F) {
+                             const double *reference, const double *J_all, mrts_null_space *spaces, double *F) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double stiffness[M * M], slope[M], reduced[MRTS_MOST_JOINTS * MRTS_MOST_JOINTS], unused;
     double *const res[] = {stiffness};
@@ -261,7 +261,7 @@ static void mrts_null_spaces(const mrts_preference *wish, double fold, const dou
 
 /* hessian q'' - J'F'' of the redundant arms, Shape (M,), from the second derivative of h(q) - h(reference) = J'F. */
 static void mrts_change_along(const double *geometry, const double *q, const double *dq, const mrts_null_space *spaces,
-                                  const double *F, double *change) {
+                              const double *F, double *change) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double stiffness[M * M], dF[W * R] = {0}, torque[MRTS_MOST_JOINTS];
     const double *const moving[] = {q, dq, F, geometry}, *const at[] = {q, dF, geometry};
@@ -353,8 +353,8 @@ static void mrts_turn_between(const double *target, const double *tip, double *t
 }
 
 /* Velocity and acceleration of a grasp in base axes and cell components. */
-static void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation,
-                               const double *twist, const double *acceleration, double *velocity, double *change) {
+static void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation, const double *twist,
+                           const double *acceleration, double *velocity, double *change) {
     double v[3], a[3], six[6];
     mrts_object_point(rotation, twist, acceleration, arm->tip_position, v, a);
     mrts_transposed_times(arm->base_rotation, v, six);
@@ -367,7 +367,7 @@ static void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const
 
 /* Error of one arm's tip against its grasp on the object, in the world, and its sizes. */
 static void mrts_tip_error(const mrts_arm *arm, const double *position, const double *rotation, const double *tip,
-                               const double *tip_rotation, double *off, double *turned, double *gap, double *turn) {
+                           const double *tip_rotation, double *off, double *turned, double *gap, double *turn) {
     double target[9];
     mrts_times(rotation, arm->tip_position, off);
     for (int i = 0; i < 3; ++i) off[i] += position[i] - tip[i];
@@ -383,8 +383,8 @@ static void mrts_tip_error(const mrts_arm *arm, const double *position, const do
 }
 
 /* Error of an arm's tip in base axes and cell components; returns the damping that it wants. */
-static double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm, const double *off,
-                                 const double *turned, double *error) {
+static double mrts_arm_error(const mrts_tracking *task, const mrts_arm *arm, const double *off, const double *turned,
+                             double *error) {
     enum { W = MRTS_SIZE };
     double six[6], damping = 0;
     mrts_transposed_times(arm->base_rotation, off, six);
@@ -420,8 +420,8 @@ static void mrts_newton_step(int joints, const double *J, const double *error, d
  * arm, those with the smallest step still to go. Without a reference redundant arms move no further than needed. Arms that
  * are left out stay. */
 static void mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
-                                 const double *reference, const unsigned char *left_out, double *now, double *best,
-                                 double *gap, double *turn, double *drift) {
+                             const double *reference, const unsigned char *left_out, double *now, double *best, double *gap,
+                             double *turn, double *drift) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], off[3], turned[3], error[W], step[M], least[R];
     const double *const at[] = {now, task->geometry};
@@ -474,8 +474,7 @@ static void mrts_hold_grasps(const mrts_tracking *task, const double *position, 
 
 /* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as is preferred. */
 static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, const double *reference,
-                                 const unsigned char *left_out, const double *q, double *dq, double *ddq,
-                                 mrts_held *held) {
+                             const unsigned char *left_out, const double *q, double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J_all[W * M], bias[W * R], wanted[W * R], velocity[W];
     const double *const here[] = {q, task->geometry}, *const moving[] = {q, dq, task->geometry};
@@ -592,7 +591,7 @@ static void mrts_solve_jacobian(const mrts_factors *factors, const double *y, do
 /* q, q', q'' at a sample by undamped Newton steps from `now`, which is moved; 0 where they do not lead to the grasps at
  * once. Arms that are left out stay. */
 static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const unsigned char *left_out, double *now,
-                                 double *dq, double *ddq, mrts_held *held) {
+                             double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
     double tips[3 * R], rotations[9 * R], J[W * M], off[3], turned[3], error[W], step[W];
     const double *const given[] = {now, task->geometry};
@@ -685,8 +684,8 @@ static double mrts_note_jumps(const double *q, const double *taylor, mrts_held *
  * from positions in q that hold the grasps. `even` counts the steps of one length that lead here. What is held tells of
  * arms that cannot follow. Those that are left out stay. */
 static void mrts_track_sample(const mrts_tracking *task, const double *time, const mrts_path *path, long long n,
-                                  const double *reference, const unsigned char *left_out, long long *even, double *q,
-                                  double *dq, double *ddq, mrts_held *held) {
+                              const double *reference, const unsigned char *left_out, long long *even, double *q,
+                              double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS };
     const mrts_path at = {path->position + 3 * n, path->rotation + 9 * n, path->twist + 6 * n, path->acceleration + 6 * n};
     double taylor[M], now[M];

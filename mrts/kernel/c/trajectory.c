@@ -290,10 +290,10 @@ static mrts_lane_mask mrts_kept_torques(mrts_lane_program *program, const int *a
 
 /* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits move outward by
  * `widening` of their unit where they are not equal; `terms` as in mrts_ranges. */
-MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
-                             const mrts_limits *limits, const mrts_terms *terms, const double *c2, int c2_stride,
-                             const double *weights, double widening, double *torque, double *wrench,
-                             unsigned char *status, double *work, int *iwork) {
+MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride, const mrts_limits *limits,
+                             const mrts_terms *terms, const double *c2, int c2_stride, const double *weights,
+                             double widening, double *torque, double *wrench, unsigned char *status, double *work,
+                             int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
     double *qp_work = work + MRTS_ROWS_WORK(K, limits->rows), H[K * K], g[K], x[K] = {0}, u[K];
     int *qp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows), active[K], active_count = -1; /* where nothing is known */
@@ -413,7 +413,7 @@ static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides,
  * multiplier that cannot be rounding, and of those near their limit in the solution found the ones that no other keeps
  * away from it. `sample` has the rows of one sample, not scaled, in its first lane. */
 static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, double c2, const double *x,
-                              const int *basis, const double *y, mrts_variant_range *range, double *work, int *iwork) {
+                          const int *basis, const double *y, mrts_variant_range *range, double *work, int *iwork) {
     enum { K = MRTS_VK, F = MRTS_VF };
     const mrts_limits *limits = sample->limits;
     int near[MRTS_MOST_NAMED], count = 0, sure[K], certain = 0;
@@ -580,8 +580,7 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
  * over. */
 MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const double *const *given,
                                      const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
-                                     const unsigned char *skipped, mrts_variant_range *range, double *work,
-                                     int *iwork) {
+                                     const unsigned char *skipped, mrts_variant_range *range, double *work, int *iwork) {
     enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, MOST, LOWER, UPPER, VALUES, GIVEN };
     const int most = 2 * limits->rows + MRTS_MOST_NAMED;
     mrts_limits here = *limits;

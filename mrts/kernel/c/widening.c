@@ -72,8 +72,7 @@ static void mrts_bound_again(const mrts_rows_lanes *rows, const mrts_wrenches_be
 
 /* The point of scaled rows nearest to x, which it replaces, and the rows that bound it; 0 where there is none, or none was
  * found. */
-static int mrts_nearest_kept(int k, const mrts_rows *rows, double *x, int *active, int *count, double *work,
-                             int *iwork) {
+static int mrts_nearest_kept(int k, const mrts_rows *rows, double *x, int *active, int *count, double *work, int *iwork) {
     double H[MRTS_UNKNOWNS * MRTS_UNKNOWNS], g[MRTS_UNKNOWNS], found[MRTS_UNKNOWNS], u[MRTS_UNKNOWNS];
     for (int i = 0; i < k * k; ++i) H[i] = 0;
     for (int j = 0; j < k; ++j) {
@@ -133,9 +132,9 @@ static int mrts_widening_of_sample(mrts_rows *rows, mrts_wrenches_before *known,
 
 /* Of samples 0 .. count - 1 the least widening of all limits that admits c2, one a sample, in shares of each, of which 100 %
  * are a `unit`; `terms` and what is returned as in mrts_ranges. A sample that is not MRTS_OPTIMAL has no answer. */
-MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const long long *stride,
-                               const mrts_limits *limits, const mrts_terms *terms, const double *c2, const double *unit,
-                               double *share, unsigned char *status, double *work, int *iwork) {
+MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const long long *stride, const mrts_limits *limits,
+                               const mrts_terms *terms, const double *c2, const double *unit, double *share,
+                               unsigned char *status, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
     const int sides = MRTS_SIDES(limits->rows);
     double *own_work = work + MRTS_ROWS_WORK(K, limits->rows);

@@ -175,7 +175,7 @@ void planar_dual_arm_terms(const planar_dual_arm_sample *sample, const planar_du
 
 /* Least and largest c^2 at a sample, torques distributed freely. */
 planar_dual_arm_status planar_dual_arm_range_of_sample(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
-                         planar_dual_arm_workspace *workspace);
+                                 planar_dual_arm_workspace *workspace);
 
 /* The same for every load of a list at once: the intersection. For the corners of a box that is the range guaranteed
  * for every load of the box. `lower_load` and `upper_load` (or null) become the loads that set the ends. */
@@ -187,14 +187,13 @@ planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sa
 extern const planar_dual_arm_real planar_dual_arm_load_corners[PLANAR_DUAL_ARM_CORNERS][PLANAR_DUAL_ARM_LOAD];
 
 /* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
-planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
-                                   planar_dual_arm_range *range, planar_dual_arm_workspace *workspace);
+planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
+                                   planar_dual_arm_workspace *workspace);
 
 /* Torques and contact wrenches with the least t'Wt at a c^2 of the range; only with PLANAR_DUAL_ARM_OK do they keep the
  * limits. */
 planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_real c2,
-                         planar_dual_arm_real torque[PLANAR_DUAL_ARM_JOINTS], planar_dual_arm_real wrench[PLANAR_DUAL_ARM_WRENCHES],
-                         planar_dual_arm_workspace *workspace);
+                         planar_dual_arm_real torque[PLANAR_DUAL_ARM_JOINTS], planar_dual_arm_real wrench[PLANAR_DUAL_ARM_WRENCHES], planar_dual_arm_workspace *workspace);
 
 #ifdef __cplusplus
 }

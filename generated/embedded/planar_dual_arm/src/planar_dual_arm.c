@@ -160,8 +160,7 @@ static int sign_beyond(mrts_real value, mrts_real rest) { return value > rest ? 
 
 /* Signs of a joint's velocity just before and just after a sample, 0 where it stands: where q' = 0 it arrives against
  * q'' and leaves along it. */
-static void directions(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, int joint, int *before,
-                       int *after) {
+static void directions(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, int joint, int *before, int *after) {
     const int moving = sign_beyond(sample->dq[joint], settings->rest_speed);
     const int leaving = sign_beyond(sample->ddq[joint], settings->rest_acceleration);
     *before = moving != 0 ? moving : -leaving;
@@ -171,8 +170,7 @@ static void directions(const planar_dual_arm_sample *sample, const planar_dual_a
 }
 
 /* Dry friction of a joint; where it turns back that is 0, and acts in both directions with `turning`. */
-static mrts_real dry_friction(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, int joint,
-                              mrts_real *turning) {
+static mrts_real dry_friction(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, int joint, mrts_real *turning) {
     int before, after;
     directions(sample, settings, joint, &before, &after);
     *turning = before != after ? settings->coulomb[joint] : 0;
@@ -460,8 +458,8 @@ static mrts_terms motor_terms(const planar_dual_arm_sample *sample, const planar
 
 /* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a number is not finite.
  * What motors add at the speed c is in them. */
-static int build_rows(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, mrts_real c2, int unknowns,
-                      mrts_form *form, planar_dual_arm_workspace *workspace, mrts_rows *rows) {
+static int build_rows(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, mrts_real c2, int unknowns, mrts_form *form,
+                      planar_dual_arm_workspace *workspace, mrts_rows *rows) {
     const mrts_limits limits = limits_of(settings);
 #if PLANAR_DUAL_ARM_MOTORS
     const mrts_terms terms = motor_terms(sample, settings, MRTS_SQRT(c2), workspace);
@@ -535,11 +533,7 @@ static planar_dual_arm_status speeds_of(int k, const mrts_rows *rows, const mrts
 }
 #endif
 
-#ifdef MRTS_SINGLE
-#define BINDING MRTS_C(1e-4) /* a row binds if its multiplier exceeds this share of the largest */
-#else
-#define BINDING 1e-7
-#endif
+#define BINDING MRTS_EITHER(1e-7, 1e-4) /* a row binds if its multiplier exceeds this share of the largest */
 
 typedef char lp_work_holds[HOLDS(work, mrts_real, MRTS_LP_WORK(K))];
 typedef char lp_integers_hold[HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS))];
@@ -723,7 +717,7 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
 }
 
 planar_dual_arm_status planar_dual_arm_range_of_sample(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
-                         planar_dual_arm_workspace *workspace) {
+                                 planar_dual_arm_workspace *workspace) {
     range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
     return keep_standing(sample, settings, range);
 }
@@ -788,7 +782,7 @@ planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sa
 }
 
 static planar_dual_arm_status share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
-                                 planar_dual_arm_workspace *workspace) {
+                               planar_dual_arm_workspace *workspace) {
     mrts_real turned[9], shares[PLANAR_DUAL_ARM_ROBOTS], internal[WRENCHES];
     const mrts_real *arg[9];
     mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
@@ -849,24 +843,19 @@ static planar_dual_arm_status share_range(const planar_dual_arm_sample *sample, 
     return range->status = range->upper < MRTS_INFINITY ? PLANAR_DUAL_ARM_OK : PLANAR_DUAL_ARM_UNBOUNDED;
 }
 
-planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
-                                   planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
+planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
+                                   planar_dual_arm_workspace *workspace) {
     share_range(sample, settings, range, workspace);
     return keep_standing(sample, settings, range);
 }
 
-#ifdef MRTS_SINGLE
-#define TORQUE_WIDENING MRTS_C(1e-5) /* of limits: at the end of a range the feasible set is a point */
-#else
-#define TORQUE_WIDENING 1e-9
-#endif
+#define TORQUE_WIDENING MRTS_EITHER(1e-9, 1e-5) /* of limits: at the end of a range the feasible set is a point */
 
 typedef char qp_work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
 typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
 
 planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, mrts_real c2,
-                         mrts_real torque[PLANAR_DUAL_ARM_JOINTS], mrts_real wrench[PLANAR_DUAL_ARM_WRENCHES],
-                         planar_dual_arm_workspace *workspace) {
+                         mrts_real torque[PLANAR_DUAL_ARM_JOINTS], mrts_real wrench[PLANAR_DUAL_ARM_WRENCHES], planar_dual_arm_workspace *workspace) {
     const mrts_limits limits = limits_of(settings);
     mrts_real H[K * K], g[K], x[K], u[K], column[K], weighted[JOINTS];
     mrts_rows rows;

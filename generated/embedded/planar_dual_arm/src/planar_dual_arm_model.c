@@ -4,11 +4,6 @@
 
 #define MRTS_NUMBER planar_dual_arm_real
 #define MRTS_CONSTANT(value) ((planar_dual_arm_real)(value))
-#if PLANAR_DUAL_ARM_SINGLE
-#define MRTS_MATH(function, a) function##f(a)
-#else
-#define MRTS_MATH(function, a) function(a)
-#endif
 
 static void turn(planar_dual_arm_real angle, planar_dual_arm_real *sines) {
     if (MRTS_ABS(angle) <= MRTS_MOST_ANGLE) {

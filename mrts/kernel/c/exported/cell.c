@@ -161,8 +161,7 @@ static int sign_beyond(mrts_real value, mrts_real rest) { return value > rest ? 
 
 /* Signs of a joint's velocity just before and just after a sample, 0 where it stands: where q' = 0 it arrives against
  * q'' and leaves along it. */
-static void directions(const cell_sample *sample, const cell_settings *settings, int joint, int *before,
-                       int *after) {
+static void directions(const cell_sample *sample, const cell_settings *settings, int joint, int *before, int *after) {
     const int moving = sign_beyond(sample->dq[joint], settings->rest_speed);
     const int leaving = sign_beyond(sample->ddq[joint], settings->rest_acceleration);
     *before = moving != 0 ? moving : -leaving;
@@ -172,8 +171,7 @@ static void directions(const cell_sample *sample, const cell_settings *settings,
 }
 
 /* Dry friction of a joint; where it turns back that is 0, and acts in both directions with `turning`. */
-static mrts_real dry_friction(const cell_sample *sample, const cell_settings *settings, int joint,
-                              mrts_real *turning) {
+static mrts_real dry_friction(const cell_sample *sample, const cell_settings *settings, int joint, mrts_real *turning) {
     int before, after;
     directions(sample, settings, joint, &before, &after);
     *turning = before != after ? settings->coulomb[joint] : 0;
@@ -461,8 +459,8 @@ static mrts_terms motor_terms(const cell_sample *sample, const cell_settings *se
 
 /* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a number is not finite.
  * What motors add at the speed c is in them. */
-static int build_rows(const cell_sample *sample, const cell_settings *settings, mrts_real c2, int unknowns,
-                      mrts_form *form, cell_workspace *workspace, mrts_rows *rows) {
+static int build_rows(const cell_sample *sample, const cell_settings *settings, mrts_real c2, int unknowns, mrts_form *form,
+                      cell_workspace *workspace, mrts_rows *rows) {
     const mrts_limits limits = limits_of(settings);
 #if CELL_MOTORS
     const mrts_terms terms = motor_terms(sample, settings, MRTS_SQRT(c2), workspace);
@@ -720,7 +718,7 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
 }
 
 cell_status cell_range_of_sample(const cell_sample *sample, const cell_settings *settings, cell_range *range,
-                         cell_workspace *workspace) {
+                                 cell_workspace *workspace) {
     range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
     return keep_standing(sample, settings, range);
 }
@@ -785,7 +783,7 @@ cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings
 }
 
 static cell_status share_range(const cell_sample *sample, const cell_settings *settings, cell_range *range,
-                                 cell_workspace *workspace) {
+                               cell_workspace *workspace) {
     mrts_real turned[9], shares[CELL_ROBOTS], internal[WRENCHES];
     const mrts_real *arg[9];
     mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
@@ -846,8 +844,8 @@ static cell_status share_range(const cell_sample *sample, const cell_settings *s
     return range->status = range->upper < MRTS_INFINITY ? CELL_OK : CELL_UNBOUNDED;
 }
 
-cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings,
-                                   cell_range *range, cell_workspace *workspace) {
+cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings, cell_range *range,
+                                   cell_workspace *workspace) {
     share_range(sample, settings, range, workspace);
     return keep_standing(sample, settings, range);
 }
@@ -858,8 +856,7 @@ typedef char qp_work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
 typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
 
 cell_status cell_torques(const cell_sample *sample, const cell_settings *settings, mrts_real c2,
-                         mrts_real torque[CELL_JOINTS], mrts_real wrench[CELL_WRENCHES],
-                         cell_workspace *workspace) {
+                         mrts_real torque[CELL_JOINTS], mrts_real wrench[CELL_WRENCHES], cell_workspace *workspace) {
     const mrts_limits limits = limits_of(settings);
     mrts_real H[K * K], g[K], x[K], u[K], column[K], weighted[JOINTS];
     mrts_rows rows;

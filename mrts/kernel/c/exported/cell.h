@@ -157,7 +157,7 @@ void cell_terms(const cell_sample *sample, const cell_settings *settings, cell_t
 
 /* Least and largest c^2 at a sample, torques distributed freely. */
 cell_status cell_range_of_sample(const cell_sample *sample, const cell_settings *settings, cell_range *range,
-                         cell_workspace *workspace);
+                                 cell_workspace *workspace);
 
 /* The same for every load of a list at once: the intersection. For the corners of a box that is the range guaranteed
  * for every load of the box. `lower_load` and `upper_load` (or null) become the loads that set the ends. */
@@ -169,14 +169,13 @@ cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings
 extern const cell_real cell_load_corners[CELL_CORNERS][CELL_LOAD];
 
 /* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
-cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings,
-                                   cell_range *range, cell_workspace *workspace);
+cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings, cell_range *range,
+                                   cell_workspace *workspace);
 
 /* Torques and contact wrenches with the least t'Wt at a c^2 of the range; only with CELL_OK do they keep the
  * limits. */
 cell_status cell_torques(const cell_sample *sample, const cell_settings *settings, cell_real c2,
-                         cell_real torque[CELL_JOINTS], cell_real wrench[CELL_WRENCHES],
-                         cell_workspace *workspace);
+                         cell_real torque[CELL_JOINTS], cell_real wrench[CELL_WRENCHES], cell_workspace *workspace);
 
 #ifdef __cplusplus
 }

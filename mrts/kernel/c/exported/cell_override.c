@@ -259,8 +259,7 @@ cell_real cell_override_stop_time(const cell_plan *plan, const cell_override *st
     return ticks < MOST_TICKS ? (cell_real)ticks * dt : CELL_UNLIMITED;
 }
 
-cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_override *state, cell_real seconds,
-                                       cell_real dt) {
+cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_override *state, cell_real seconds, cell_real dt) {
     const cell_segment at = segment_of(plan, state);
     const cell_real way = state->direction < 0 ? (cell_real)-1 : (cell_real)1;
     cell_override tried = *state;

@@ -77,8 +77,7 @@ cell_status cell_override_resume(const cell_plan *plan, const cell_real q[CELL_J
 cell_real cell_override_stop_time(const cell_plan *plan, const cell_override *state, cell_real dt, cell_real *stands);
 
 /* The largest speed at the place of a state from which the cell stands still within some seconds. */
-cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_override *state, cell_real seconds,
-                                       cell_real dt);
+cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_override *state, cell_real seconds, cell_real dt);
 
 #ifndef CELL_GEOMETRY
 /* The exported plan. */

@@ -97,7 +97,7 @@ static inline mrts_lanes mrts_term(const double *all, const long long *at, int s
 
 /* Takes inputs alone. */
 static inline void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
-                                 int all, mrts_lane_inputs *lanes) {
+                                    int all, mrts_lane_inputs *lanes) {
     static const int sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
     mrts_lanes *next = lanes->numbers;
     for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
@@ -112,8 +112,8 @@ static inline void mrts_take_inputs(const double *const *in, const long long *st
     }
 }
 
-static inline void mrts_samples_in(const mrts_limits *limits, const mrts_terms *terms, const mrts_rows *rows, double *memory,
-                                mrts_samples *samples) {
+static inline void mrts_samples_in(const mrts_limits *limits, const mrts_terms *terms, const mrts_rows *rows,
+                                   double *memory, mrts_samples *samples) {
     enum { K = MRTS_UNKNOWNS };
     mrts_lanes *next = (mrts_lanes *)(void *)memory;
     samples->limits = limits;
@@ -147,7 +147,7 @@ static inline void mrts_take_terms(mrts_samples *samples) {
 /* Takes the samples from `first` on, with the inputs that are the same for all only if `all`, and builds their rows; beyond
  * the last sample the last is repeated. */
 static inline void mrts_take_samples(const double *const *in, const long long *stride, long long first, long long count,
-                                  int all, mrts_samples *samples) {
+                                     int all, mrts_samples *samples) {
     enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
     mrts_form_lanes *form = &samples->form;
     mrts_lanes *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};

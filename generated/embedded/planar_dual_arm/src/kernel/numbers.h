@@ -22,44 +22,31 @@ typedef MRTS_REAL mrts_real;
 #endif
 
 #ifdef MRTS_SINGLE
-#define MRTS_ABS(value) fabsf(value)
 #define MRTS_C(value) value##f
-#define MRTS_SQRT(value) sqrtf(value)
-#define MRTS_FEASIBLE MRTS_C(4e-6)
-#define MRTS_AS_IT_IS MRTS_C(4e-6)
-#define MRTS_SEPARATED MRTS_C(2e-5)
-#define MRTS_PIVOT MRTS_C(1e-4)
-#define MRTS_ZERO MRTS_C(1e-6)
-#define MRTS_ROUNDING MRTS_C(1e-6)
-#define MRTS_GAP MRTS_C(3e-5)
-#define MRTS_SMALL MRTS_C(1e-2)
-#define MRTS_INFINITY MRTS_C(1e30)
-#define MRTS_UNBOUNDED MRTS_C(1e6)
-#define MRTS_NO_EFFECT MRTS_C(1e-30)
-#define MRTS_LESS_QUARTERS(angle, turns) ((angle) - (turns) * 1.5703125f - (turns) * 4.83751297e-4f)
-#define MRTS_QUARTER_REST 7.54978995e-8f
-#define MRTS_MOST_ANGLE 5e3f
+#define MRTS_MATH(function, a) function##f(a)
+#define MRTS_EITHER(of_double, of_float) of_float##f
 #else
-#define MRTS_ABS(value) fabs(value)
 #define MRTS_C(value) value
-#define MRTS_SQRT(value) sqrt(value)
-#define MRTS_FEASIBLE 1e-10 /* excess over a limit, relative to 1 and to it, that is rounding */
-#define MRTS_AS_IT_IS 1e-12 /* residual of an answer that is taken as it is, relative to 1; another is refined */
-#define MRTS_SEPARATED 1e-9 /* a certificate must separate the limits by this share, or proves nothing */
-#define MRTS_PIVOT 1e-8     /* smallest pivot, relative to its row */
-#define MRTS_ZERO 1e-13     /* a multiplier below this share of the largest is rounding */
-#define MRTS_ROUNDING 1e-15 /* of a limit's row, relative to 1 and the limit */
-#define MRTS_GAP 1e-9       /* of an objective, relative to it and MRTS_SMALL */
-#define MRTS_SMALL 1e-3
-#define MRTS_INFINITY 1e300 /* an absent limit is this or its negative */
-#define MRTS_UNBOUNDED 1e9  /* c^2 may grow until it moves some row by this many limits: beyond, nothing bounds it, and
-                             * rounding of a limit (1e-16) may still be told from what c^2 adds to it */
-#define MRTS_NO_EFFECT 1e-300 /* an unknown that moves no row by more than this share of a limit moves none: the scale
-                               * that makes its effect 1 would not be finite */
-#define MRTS_LESS_QUARTERS(angle, turns) ((angle) - (turns) * 1.57079632673412561417) /* the first 33 bits of pi / 2 */
-#define MRTS_QUARTER_REST 6.07710050650619224932e-11                                  /* and the rest */
-#define MRTS_MOST_ANGLE 1e5 /* beyond, multiples of the first bits are not exact, and the C library is asked [rad] */
+#define MRTS_MATH(function, a) function(a)
+#define MRTS_EITHER(of_double, of_float) of_double
 #endif
+#define MRTS_ABS(value) MRTS_MATH(fabs, value)
+#define MRTS_SQRT(value) MRTS_MATH(sqrt, value)
+
+#define MRTS_FEASIBLE MRTS_EITHER(1e-10, 4e-6)  /* excess over a limit, relative to 1 and to it, that is rounding */
+#define MRTS_AS_IT_IS MRTS_EITHER(1e-12, 4e-6)  /* residual of an answer that is not refined, relative to 1 */
+#define MRTS_SEPARATED MRTS_EITHER(1e-9, 2e-5)  /* a certificate must separate the limits by this share, or proves nothing */
+#define MRTS_PIVOT MRTS_EITHER(1e-8, 1e-4)      /* smallest pivot, relative to its row */
+#define MRTS_ZERO MRTS_EITHER(1e-13, 1e-6)      /* a multiplier below this share of the largest is rounding */
+#define MRTS_ROUNDING MRTS_EITHER(1e-15, 1e-6)  /* of a limit's row, relative to 1 and the limit */
+#define MRTS_GAP MRTS_EITHER(1e-9, 3e-5)        /* of an objective, relative to it and MRTS_SMALL */
+#define MRTS_SMALL MRTS_EITHER(1e-3, 1e-2)
+#define MRTS_INFINITY MRTS_EITHER(1e300, 1e30)  /* an absent limit is this or its negative */
+#define MRTS_UNBOUNDED MRTS_EITHER(1e9, 1e6) /* c^2 may grow until it moves some row by this many limits: beyond, nothing
+                                              * bounds it, and rounding of a limit (1e-16) may still be told from c^2's share */
+#define MRTS_NO_EFFECT MRTS_EITHER(1e-300, 1e-30) /* an unknown that moves no row by more than this share of a limit moves
+                                                   * none: the scale that makes its effect 1 would not be finite */
+#define MRTS_MOST_ANGLE MRTS_EITHER(1e5, 5e3) /* beyond, multiples of pi / 2 are not exact [rad] */
 
 /* Before a loop over unknowns: of as many as one arm's wrench has the count is mostly known, and counting them costs more
  * than the rest. */

@@ -8,14 +8,6 @@
 
 #include "numbers.h"
 
-#ifdef MRTS_SINGLE
-#define MRTS_SINE(a) sinf(a)
-#define MRTS_COSINE(a) cosf(a)
-#else
-#define MRTS_SINE(a) sin(a)
-#define MRTS_COSINE(a) cos(a)
-#endif
-
 /* An arm with every joint at zero, from the base to the last joint that counts. */
 typedef struct {
     int joints;
@@ -55,7 +47,7 @@ static inline void mrts_arm_point(const mrts_chain *chain, const mrts_real *q, c
             }
             continue;
         }
-        const mrts_real sine = MRTS_SINE(q[joint]), cosine = MRTS_COSINE(q[joint]);
+        const mrts_real sine = MRTS_MATH(sin, q[joint]), cosine = MRTS_MATH(cos, q[joint]);
         mrts_real around[3], inward[3], coriolis[3];
         for (int i = 0; i < 3; ++i) place[i] -= on_axis[i];
         mrts_turn(axis, sine, cosine, place);
