@@ -78,8 +78,8 @@ def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     name = "mrts_speed_ranges" if rows.has_speed_terms else "mrts_ranges"
     rows.over_samples(name, [np.minimum(most, INFINITY)], [found], load=load)
     basis, dual = (np.swapaxes(found[of], 0, 1) for of in ("basis", "dual"))
-    duals, status = _duals_of_bases(rows, basis, dual), np.max(found["status"], axis=1)
-    return RangeEnds(*found["end"].T, duals, status, found["gap"], found["effect"])
+    (lower, upper), duals = found["end"].T, _duals_of_bases(rows, basis, dual)
+    return RangeEnds(lower, upper, duals, np.max(found["status"], axis=1), found["gap"], found["effect"])
 
 
 def ends_of_rows(problem: SampleProblem) -> RangeEnds:
