@@ -6,7 +6,9 @@ May import base to following. Start at `cell_limits.py`.
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 
+from mrts.base.arrays import freeze
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.cell_limits import contact_limits, motor_limits, torque_limits, velocity_limits, wrench_limits
@@ -22,14 +24,22 @@ CELL_LIMITS: tuple[Callable[[Cell, CoordinatedMotion], LimitRows | None], ...] =
 )
 """Those of the cell file, None where it gives none; `Cell.limits` are there beside them."""
 
+FIXED = 2
+"""The first of them are the same along any motion."""
 
-def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[tuple[Callable[..., object], LimitRows]]:
-    """The rows of each limit that a cell has.
+KNOWN_CELLS = 16
+"""Cells whose rows of these are kept, of those asked last: a call needs them two or three times."""
+
+
+def rows_by_limit(
+    cell: Cell, motion: CoordinatedMotion, first: int = 0
+) -> list[tuple[Callable[..., object], LimitRows]]:
+    """The rows of each limit that a cell has, but for the first few.
 
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion; it names the limit.
     """
-    given = [(limit, limit(cell, motion)) for limit in CELL_LIMITS]
+    given = [(limit, limit(cell, motion)) for limit in CELL_LIMITS[first:]]
     own = [(limit, checked_rows(limit, cell, motion)) for limit in cell.limits]
     return [(limit, rows) for limit, rows in (*given, *own) if rows is not None]
 
@@ -42,8 +52,16 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows = stack_rows([rows for _, rows in rows_by_limit(cell, motion)]).bounded()
+    rows, others = _fixed(cell), [rows.bounded() for _, rows in rows_by_limit(cell, motion, FIXED) if rows.names]
+    rows = stack_rows([rows, *others]) if others else rows
     return rows.shrunk(cell.reserve) if cell.reserve else rows
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def _fixed(cell: Cell) -> LimitRows:
+    rows = stack_rows([torque_limits(cell), wrench_limits(cell)]).bounded()
+    freeze(rows)
+    return rows
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

@@ -12,13 +12,13 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, joint_rows, object_axes, row_names, wrench_rows
 
 
-def torque_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
+def torque_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
     names, sides = joint_rows(cell, "torque", "torque_units"), map(cell.stacked, ("torque_lower", "torque_upper"))
     return LimitRows.of(cell, names, *sides, torque_matrix=np.eye(len(names)))
 
 
-def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
+def wrench_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
     names, sides = wrench_rows(cell, "wrench"), map(cell.stacked, ("wrench_lower", "wrench_upper"))
     return LimitRows.of(cell, names, *sides, wrench_matrix=np.eye(len(names)))

@@ -411,6 +411,16 @@ class LimitRows:
         return np.hstack([block for block in blocks if block is not None])
 
     @property
+    def groups(self) -> list[str]:
+        """`RowName.group` of each row."""
+        return [name.group for name in self.names]
+
+    @cached_property
+    def compressed(self) -> Any:
+        """The rows as C reads them where none is in object axes."""
+        return sparse_limits(self.matrix, self.lower, self.upper, self.groups)
+
+    @property
     def of_forces(self) -> NDArray[np.bool_]:
         """Rows with torques or wrenches in them, Shape (r,)."""
         found = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
@@ -468,8 +478,9 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
 
 def kernel_limits(cell: Cell, rows: LimitRows) -> Any:
     """The rows as C reads them, without the terms of single samples; see `sparse_limits`."""
-    turns = () if rows.object_matrix is None else base_axes(cell)
-    return sparse_limits(rows.matrix, rows.lower, rows.upper, [name.group for name in rows.names], *turns)
+    if rows.object_matrix is None:
+        return rows.compressed
+    return sparse_limits(rows.matrix, rows.lower, rows.upper, rows.groups, *base_axes(cell))
 
 
 def limit_name(limit: Callable[..., object]) -> str:
