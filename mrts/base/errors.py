@@ -303,8 +303,8 @@ def html_text(text: str) -> str:
 
 
 def _shown(value: object) -> str:
-    if getattr(value, "shape", None) == ():  # a number of numpy
-        value = cast("Any", value).item()
+    if hasattr(value, "tolist"):  # numbers of numpy
+        value = cast("Any", value).tolist()
     try:
         shown = _VALUES.repr(value)
     except ValueError:  # Python writes no whole number of more than some thousand digits

@@ -250,17 +250,22 @@ def manifest_of(cell: Cell) -> CellManifest:
     return manifest.sealed()
 
 
-def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
-    """Refuse what a cell file cannot hold: what it reads back to is another cell, but for rounding of rotations."""
+def differences(one: CellRecord, other: CellRecord) -> Iterator[tuple[str, Any, Any]]:
+    """Key and both values of all that differs between two cells, but for rounding of rotations."""
     numbers, found = (
         dict(_leaves(dumped(cell.record() | {"remarks": (), "surfaces": [*cell.surfaces.values()]})))
-        for cell in (ours, read)
+        for cell in (one, other)
     )
     for key in dict.fromkeys([*numbers, *found]):
-        value: Any = numbers.get(key)
-        other: Any = found.get(key)
-        if value == other or (".R[" in key and abs(value - other) <= SAME_ROTATION):
-            continue
+        first: Any = numbers.get(key)
+        second: Any = found.get(key)
+        if first != second and not (".R[" in key and abs(first - second) <= SAME_ROTATION):
+            yield key, first, second
+
+
+def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
+    """Refuse what a cell file cannot hold: what it reads back to is another cell."""
+    for key, value, other in differences(ours, read):
         if key.endswith("sha256"):
             raise InputError(where, "this file is another one than the cell was made from.", key=key)
         rule = (

@@ -173,7 +173,7 @@ class Robot(MadeAgain):
             fastest = self.velocity_limit[index]
             yield (
                 self.joints[index],
-                self.joint_types[index],
+                "continuous" if position == "rad" and np.isinf(self.position_upper[index]) else self.joint_types[index],
                 interval_text(self.torque_lower[index], self.torque_upper[index], torque),
                 interval_text(self.position_lower[index], self.position_upper[index], position),
                 f"{fastest:.4g} {position}/s" if np.isfinite(fastest) else "none given",

@@ -54,7 +54,6 @@ def run(
     from mrts.motion.motion_file import load_motion
     from mrts.output.embedded_limits import embedded_limits
     from mrts.output.embedded_test_vectors import make_vectors, own_motion
-    from mrts.output.saved_result import load_result
     from mrts.override.speed_override import SpeedOverride
 
     if is_folder(cell):
@@ -63,9 +62,8 @@ def run(
     played = None
     if plan is not None:
         with working(f"tables of {plan}"):
-            played = SpeedOverride(
-                load_result(plan, compiled), fastest=fastest_override, backwards=backwards, rates=rates
-            )
+            planned = options.result_of_cell(compiled, plan)
+            played = SpeedOverride(planned, fastest=fastest_override, backwards=backwards, rates=rates)
     elif backwards or fastest_override != 1 or rates is not None:
         rule = "there is none that could be played faster, backwards or within rates. Give a saved result."
         raise InputError("--plan", rule)

@@ -100,6 +100,9 @@ def _tell_arms(request: "Request") -> None:
         say(f"{names}: {urdf}, {chain.source.base_link} to {tip}", "strong")
         for line in joint_table([chain]):
             say(line)
+        if beyond := arms[0].beyond:
+            text = f"{', '.join(beyond)} beyond {tip} may reach into the object, and no collision with it is seen"
+            say(f"  {text}: if they hold it, name the link between them, --tip LINK", "note")
         for remark in joint_assumptions([chain]):
             say(f"  {remark.text}", "note")
     say("")

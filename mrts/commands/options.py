@@ -24,7 +24,7 @@ from click.core import ParameterSource
 
 from mrts.base.atomic_file import check_writable
 from mrts.base.errors import InputError, MotionError, require_extra
-from mrts.commands.console import DEBUG, QUIET, put, working
+from mrts.commands.console import DEBUG, QUIET, put, warn, working
 from mrts.plots import FIGURE_FORMATS
 
 if TYPE_CHECKING:
@@ -34,12 +34,17 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.load_sharing import LoadSharing
+    from mrts.scaling.result import ScalingResult
+    from mrts.timing.result import RetimingResult
 
 PROBE = "mrts-probe"
 """A file that is tried, but not left, in a folder that is to be written."""
 
 ANY_COUNT = range(1, 1 << 30)
 """Of numbers in a list."""
+
+MOST_TOLD = 5
+"""Numbers of which a saved result has others than a cell file."""
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -94,6 +99,8 @@ class Written(Named):
             raise InputError(path, "exists already: a bag is written into a new folder. Remove it, or name another.")
         if self.is_folder and is_file:
             raise InputError(option, "names a file, but writes a folder.", value=str(path))
+        if not self.is_folder and not path.absolute().parent.is_dir():
+            raise InputError(option, "is in a folder that is not there: make it, or name another.", value=str(path))
         try:
             check_writable(path / PROBE if self.is_folder and not self.is_new else path)
         except InputError as error:
@@ -326,6 +333,19 @@ def plot(what: str) -> Decorator:
     return option("--plot", type=folder, metavar="DIR", help=f"write {what} (needs the extra 'plot')")
 
 
+def result_of_cell(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult":
+    """A saved result with the functions of its cell; numbers that the cell has otherwise now are told."""
+    from mrts.cell.cell_keys import differences
+    from mrts.output.saved_result import load_result
+
+    found = load_result(path, cell)
+    if others := [*differences(found.cell, cell)]:
+        told = [f"{key} = {saved} (now {given})" for key, saved, given in others[:MOST_TOLD]]
+        more = f", and {len(others) - MOST_TOLD} more" * (len(others) > MOST_TOLD)
+        warn(f"{path} is played with the numbers that it was found with: {', '.join(told)}{more}")
+    return found
+
+
 def compiled_cell(
     path: Path,
     motion: "ObjectMotion | JointTable | None" = None,
@@ -352,6 +372,10 @@ def compiled_cell(
             from mrts.following.coordinate import coordinate
 
             coordinate(uncompiled, motion, closure)
-        cell = load_cell(path).with_reserve(reserve)
+        cell = load_cell(path)
+    try:
+        cell = cell.with_reserve(reserve)
+    except InputError as error:
+        raise InputError("reserve", error.rule, value=reserve) from None
     cell = cell.without_wrench_limits() if no_wrench_limits else cell
     return cell.without_velocity_limits() if no_velocity_limits else cell

@@ -42,7 +42,7 @@ def run(result: Path, output: Path, cell: Path | None = None, rates: "Rates | No
         if cell is not None:
             raise InputError("cell", "goes with a saved result, not with a study.", value=str(cell))
         return _report_study(result, output)
-    found = load_result(result, None if cell is None else options.compiled_cell(cell))
+    found = load_result(result) if cell is None else options.result_of_cell(options.compiled_cell(cell), result)
     write_report(found, output, None if cell is None else SpeedOverride(found, rates=rates).stops())
     say(f"{found.cell.name}: {found.status.value}; the report is {output}")
     return FEASIBLE if found.status.admits_motion else INFEASIBLE

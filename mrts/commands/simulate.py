@@ -50,7 +50,6 @@ def run(
         mrts simulate cell.yaml result.npz --override random:1
         mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest
     """
-    from mrts.output.saved_result import load_result
     from mrts.override.speed_override import random_wishes, read_wishes
     from mrts.simulation.controller import Controller, PlantErrors, with_settings
     from mrts.simulation.plan_file import load_plan
@@ -60,7 +59,7 @@ def run(
     controller, errors = with_settings(Controller(), PlantErrors(), dict(map(_setting, given)))
     compiled = options.compiled_cell(cell)
     with working(f"reading {plan}"):
-        planned = load_result(plan, compiled) if plan.suffix.lower() == ".npz" else load_plan(compiled, plan)
+        planned = (options.result_of_cell if plan.suffix.lower() == ".npz" else load_plan)(compiled, plan)
     if override is not None:
         word, sign, seed = override.partition(":")
         drawn = (word, sign) == ("random", ":")

@@ -360,7 +360,7 @@ def _with_standing(plan: Plan, limits: _Limits, margin: Array) -> _Limits:
         raise InputError(
             "result",
             f"the cell cannot stand still at {plan.motion.object.time[worst]:.4g} s of the plan, as stopping asks for: "
-            f"{row} passes its limit by {100 * most:.2g} %.",
+            f"{row} passes its limit by {100 * most:.1f} %.",
         )
     wider = replace(limits, passed=passed)
     used = [_wrench(plan, wider, end, none, reserve=end == AT_REST or plan.keeps_reserve) for end in (AT_REST, AT_MOST)]

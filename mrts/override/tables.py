@@ -217,7 +217,7 @@ def limit_tables(plan: Plan, *, backwards: bool) -> PlayedTables:
     over = np.max(tables.passed, axis=1)
     if np.max(over) > MOST_PASSED:
         where = f"between {', '.join(f'{time:.4g}' for time in tables.nodes['time'][np.argmax(over) :][:2])} s"
-        rule = f"{where} of the plan a limit would be passed by {100 * np.max(over):.2g} %"
+        rule = f"{where} of the plan a limit would be passed by {100 * np.max(over):.1f} %"
         what = "played in either direction: leave `backwards` out" if backwards else "between samples: give more"
         raise InputError("result", f"{rule}, {what}, or plan with a reserve.")
     return tables

@@ -77,9 +77,7 @@ def checked_tolerance(between: object) -> float | None:
     if between is None:
         return None
     if not is_number(between, LEAST_BETWEEN, LARGEST_BETWEEN):
-        rule = (
-            f"must be a share of a limit from {LEAST_BETWEEN:g} to {LARGEST_BETWEEN:g}, or None for the bare samples."
-        )
+        rule = f"must be a share of a limit from {LEAST_BETWEEN:g} to {LARGEST_BETWEEN:g}, or None (off)."
         raise InputError("between", rule, value=between)
     return float(between)  # type: ignore[arg-type]  # is_number has seen to it
 

@@ -32,12 +32,12 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
         return np.diag(weights_by_limits(cell.stacked("torque_lower"), cell.stacked("torque_upper")))
     given = as_array("weights", weights)
     if given.shape not in {(), (joints,), (joints, joints)} or not np.all(np.isfinite(given)):
-        rule = f"must be finite: a number, or of Shape ({joints},) or ({joints}, {joints})."
+        rule = f"must be finite: one number, {joints} of them, or a matrix of Shape ({joints}, {joints})."
         raise InputError("weights", rule, value=weights)
     W = given if given.ndim == 2 else np.diag(np.broadcast_to(given, joints))  # noqa: PLR2004 (a matrix)
     spread = np.linalg.eigvalsh(W)
     if not np.array_equal(W, W.T) or spread[0] <= 0:
-        raise InputError("weights", "must be symmetric and positive definite (a diagonal: all > 0).", value=weights)
+        raise InputError("weights", "must be > 0; of a matrix, symmetric and positive definite.", value=weights)
     if spread[-1] > WEIGHT_SPREAD * spread[0]:
         raise InputError(
             "weights",

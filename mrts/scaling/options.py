@@ -121,8 +121,8 @@ def load_box(cell: Cell, question: str) -> LoadBox:
     if cell.load_box is None:
         raise InputError(
             "load",
-            "the cell says nothing of how its load varies: add 'variation' under 'object' in the cell file, such as "
-            "'variation: {mass: [0.5, 2.0]}'.",
+            "must be nominal: the cell says nothing of how its load varies. For another question add 'variation' under "
+            "'object' in the cell file, such as 'variation: {mass: [0.5, 2.0]}'.",
             value=question,
         )
     return cell.load_box

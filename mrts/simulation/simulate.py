@@ -161,7 +161,7 @@ class Simulation(InNotebooks, JsonOutput):
 
     def sentence(self) -> str:
         """The verdict."""
-        cut = f"; motors cut {100 * self.saturated:.2g} % of the commands" if self.saturated > 0 else ""
+        cut = f"; motors cut {_percent(self.saturated)} of the commands" if self.saturated > 0 else ""
         if not self.uses:
             return printable(f"there is no limit to keep{cut}")
         _, worst = self.uses[0]
@@ -171,8 +171,9 @@ class Simulation(InNotebooks, JsonOutput):
             if self.trials is not None and not self.kept:
                 said += f" with these errors, but in {self.trials.kept} of {len(self.trials.errors)} trials alone"
             return printable(f"{said}; {nearest}{cut}")
-        others = f", and {len(self.passed) - 1} more are passed" if len(self.passed) > 1 else ""
-        passed = f"passes its limit by {100 * (worst.share - 1):.2g} % at {worst.time:.4g} s"
+        more = len(self.passed) - 1
+        others = f", and {more} more {'are' if more > 1 else 'is'} passed" if more else ""
+        passed = f"passes its limit by {_percent(worst.share - 1)} at {worst.time:.4g} s"
         return printable(f"{worst.name} {passed}{others}{cut}")
 
     def lines(self, *, every: bool = False) -> Iterator[str]:

@@ -50,6 +50,7 @@ class Arm:
         path: Of the URDF.
         urdf: How a cell file names it.
         base: Of its base link in the world, where that is given.
+        beyond: Links that hang from its tip.
     """
 
     robot: Robot
@@ -57,6 +58,7 @@ class Arm:
     path: Path
     urdf: str = ""
     base: RigidTransform | None = None
+    beyond: tuple[str, ...] = ()
 
     @cached_property
     def reach(self) -> float:

@@ -17,7 +17,7 @@ from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.cell.remarks import urdf_remarks
 from mrts.following.coordinated_motion import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm
-from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, side_of
+from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, links_beyond, moved_by, side_of
 
 WIDTH, LIFT, GRID = 0.3, 0.2, 0.12
 """Of the box, of the lift, and between heights that are tried, as shares of the shortest arm's reach."""
@@ -150,6 +150,7 @@ def request_of(
                 path=one.path.absolute(),
                 urdf=one.reference if is_uri(one.reference) else named_in(folder, one.path),
                 base=bases[one.robot] @ T_root_base if bases else in_place,
+                beyond=links_beyond(one.tree, one.tip),
             )
         )
     for arm in arms:

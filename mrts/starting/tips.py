@@ -49,6 +49,14 @@ def moved_by(tree: Urdf, link: str) -> list[UrdfJoint]:
     return [joint for joint in tree.joints_to(link) if joint.moves]
 
 
+def links_beyond(tree: Urdf, link: str) -> tuple[str, ...]:
+    """Links that hang from a link, however far."""
+    found = [link]
+    for above in found:
+        found += [joint.child for joint in tree.joints.values() if joint.parent == above]
+    return tuple(found[1:])
+
+
 def first_link(tree: Urdf, tips: Sequence[str]) -> str:
     """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold."""
     first = tree.root

@@ -94,10 +94,11 @@ class ConfigurationStudy(JsonOutput):
             table.append((str(rank), *numbers, c2, outcome(one)))
         yield from aligned(table)
         yield ""
-        yield "branches at t = 0 (rad, m; a line is a `posture` for the cell file):"
+        yield "branches of these at t = 0 (rad, m; a line is a `posture` for the cell file):"
+        used = [branch for one in self.ranked[:rows] for branch in one.branches]
         for name, branches in self.branches.items():
             good = [branch for branch in branches if branch.failure is None]
-            for branch in good:
+            for branch in (branch for branch in good if branch in used):
                 yield f"{name:>8} {branch.number:>3}  [{', '.join(f'{value:.4f}' for value in branch.start)}]"
             if not good and branches[0].failure is not None:
                 yield f"{name:>8}   -  none; the first: {branches[0].failure.message}"

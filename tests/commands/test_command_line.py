@@ -20,7 +20,7 @@ PICTURES = ["c2_range.png", "limits.png", "power_and_energy.png", "torques_and_w
 
 @pytest.mark.quick
 def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lift):
-    target = tmp_path / "deep" / "result.json"
+    target = tmp_path / "result.json"
     done = mrts_command("scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json", target, "--plot", tmp_path / "plots")
     assert done.returncode == 0, done.stderr
     assert "c² ∈ [0, 3.062]" in done.stdout
@@ -111,10 +111,11 @@ def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
         (["--plot", "r.png"], "names a file, but writes a folder"),
         (["--json", "same.x", "--csv", "./none/../same.x"], "names the same file as --json"),
         (["--csv", "none.yaml"], "names the same file as MOTION"),
-        (["--json", "file/x.json"], "cannot be written"),
+        (["--json", "file/x.json"], "is in a folder that is not there"),
+        (["--report", "deep/x.html"], "is in a folder that is not there"),
         (["--csv", "folder"], "cannot be written"),
         (["--ros-bag", "folder"], "exists already"),
-        (["--save", "nul\udcff/../file/x.npz"], "cannot be written"),
+        (["--save", "nul\udcff/../file/x.npz"], "is in a folder that is not there"),
     ],
 )
 def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message, tmp_path, monkeypatch, capsys):
@@ -131,6 +132,13 @@ def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message
     [
         (["scale", *map(str, FILES), "--csv", "plan.csv", "--sample-rate", "nan"], "--sample-rate = nan: must be"),
         (["scale", *map(str, FILES), "--csv", "plan.csv", "--sample-rate", "1e12"], "--sample-rate = 1000000000000.0"),
+        (["scale", *map(str, FILES), "--reserve", "1.5"], "--reserve = 1.5: must be < 1."),
+        (["scale", *map(str, FILES), "--weights", "1,2"], "--weights = [1.0, 2.0]: must be finite: one number, 6 of"),
+        (["scale", *map(str, FILES), "--load", "foo"], "--load = 'foo': must be nominal"),
+        (
+            ["scale", *map(str, FILES), "--between", "2"],
+            "--between = 2.0: must be a share of a limit from 1e-05",
+        ),
         (["simulate", *map(str, FILES)], "PLAN = '"),
         (["view", *map(str, FILES), "--video", "lift.avi"], "--video = 'lift.avi': must end in .gif or .mp4."),
         (["report", str(FILES[0])], "RESULT = '"),

@@ -133,10 +133,8 @@ def test_on_a_full_disk_what_fits_is_written_and_the_answer_is_printed(tmp_path,
     old = tmp_path / "plots" / "power_and_energy.png"
     old.parent.mkdir()
     old.write_text("old")
-    options = ["--json", "new/r.json", "--csv", "r.csv", "--save", "r.npz", "--ros-bag", "bag", "--plot", "plots"]
-    done = mrts_process(
-        "scale", *FILES, *options, "--report", "deep/r.html", cwd=tmp_path, preexec_fn=small_files(90_000)
-    )
+    options = ["--json", "r.json", "--csv", "r.csv", "--save", "r.npz", "--ros-bag", "bag", "--plot", "plots"]
+    done = mrts_process("scale", *FILES, *options, "--report", "r.html", cwd=tmp_path, preexec_fn=small_files(90_000))
     assert done.returncode == 2
     assert "c² ∈ [0, 3.062]" in done.stdout
     assert done.stderr.count("mrts: error: ") == done.stderr.count("cannot be written: File too large") == 4

@@ -8,6 +8,9 @@ import yaml
 from command_line import mrts_command
 from conftest import DATA
 
+from mrts.base.errors import MotionError
+from mrts.cli import main
+
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 
 
@@ -36,6 +39,19 @@ def test_what_it_tells_is_enough_to_go_on(begun):
     assert scaled.returncode == 0
     assert scaled.stdout.startswith("first_cell: c² ∈ [0, ")
     assert yaml.safe_load((folder / "first cell" / "cell.yaml").read_text())["name"] == "first_cell"
+
+
+def test_a_gripper_beyond_the_tip_is_told(monkeypatch, tmp_path, capsys):
+    def stop(*_):
+        raise MotionError("no layout")
+
+    monkeypatch.setattr("mrts.starting.proposal.propose", stop)
+    jaw = '<link name="jaw"/><joint name="j" type="fixed"><parent link="tool0"/><child link="jaw"/></joint>'
+    text = UR5.read_text(encoding="utf-8").replace("</robot>", f"{jaw}</robot>")
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    for words, said in (([], True), (["--tip", "jaw", "--tip", "jaw"], False)):
+        assert main(["new", str(tmp_path / "x"), "--robot", str(tmp_path / "arm.urdf"), *words]) == 1
+        assert ("jaw beyond tool0 may reach into the object" in capsys.readouterr().out) is said
 
 
 def test_files_that_are_there_stay(begun):
