@@ -29,7 +29,6 @@ from mrts.cell.cell_file import (
     ObjectDescription,
     RobotDescription,
     inertia_problem,
-    read_cell_description,
     robot_values,
 )
 from mrts.cell.points import RATES, ArmPointLimit, point_names, rate_limits
@@ -92,7 +91,7 @@ class CellModel:
 
 def read_cell_model(path: Path) -> CellModel:
     """A cell file with its URDFs."""
-    return build_cell_model(path, read_cell_description(path))
+    return build_cell_model(path, CellDescription.read_file(path, "cell file"))
 
 
 def read_cell(path: Path) -> tuple[CellModel | None, tuple[InputError, ...]]:

@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.record import Angle, Finite, Name, Pose, Positive, Record, Rule, Vector3
-from mrts.base.input_file import FileReference, plain
+from mrts.base.input_file import FileReference
 from mrts.base.load_box import Variation
 from mrts.base.manifest import MOST, WRENCH_UNITS
 from mrts.base.rigid_transform import RigidTransform
@@ -268,22 +268,12 @@ class CellDescription(Record):
 
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     """URDF and base link (None is its root) of every robot of a cell file, by name."""
-    description = read_cell_description(path)
+    description = CellDescription.read_file(path, "cell file")
     references, folder = description.references, path.resolve().parent
     return {
         robot.name: (references["robots", at, "urdf"].path(path, folder), robot.base_link)
         for at, robot in enumerate(description.robots)
     }
-
-
-def read_cell_description(path: Path) -> CellDescription:
-    """Read and validate a cell file."""
-    return CellDescription.read_file(path, "cell file")
-
-
-def cell_description(data: object, where: str) -> CellDescription:
-    """A dictionary made in Python, validated as a cell file; numpy's numbers as well."""
-    return CellDescription.read(where, plain(where, data), "cell file")
 
 
 def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:

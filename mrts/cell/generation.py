@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cache, partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from mrts.base import version
 from mrts.base.arrays import Array
@@ -18,7 +18,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import NEAREST_INERTIA, InputError
 from mrts.base.formats.record import read_json
 from mrts.base.formats.urdf import Urdf
-from mrts.base.input_file import FileReference
+from mrts.base.input_file import FileReference, plain
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
 from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.yaml_text import MAX_YAML_BYTES
@@ -26,9 +26,6 @@ from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_
 from mrts.cell.robot import Robot
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
-
-if TYPE_CHECKING:
-    from mrts.base.embedded_inputs import EmbeddedPlan
 
 Record = TypeVar("Record", bound=ChainsRecord)
 
@@ -79,9 +76,10 @@ def described_model(description: object, folder: Path, where: str = "cell descri
     """A cell that a dictionary describes, with its URDFs."""
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
 
-    from mrts.cell.cell_file import cell_description  # noqa: PLC0415 (build time, on demand)
+    from mrts.cell.cell_file import CellDescription  # noqa: PLC0415 (build time, on demand)
 
-    return build_cell_model(Path(where), cell_description(description, where), folder)
+    given = CellDescription.read(where, plain(where, description), "cell file")
+    return build_cell_model(Path(where), given, folder)
 
 
 def _manifest(cell: Any) -> CellManifest:
@@ -169,21 +167,13 @@ def generate_to(path: Path, folder: Path | None) -> tuple[CellManifest, Path]:
     return read_generated(folder)
 
 
-def export_to(
-    path: Path,
-    folder: Path,
-    *,
-    name: str | None = None,
-    plan: "EmbeddedPlan | None" = None,
-    **asked: Any,
-) -> list[str]:
+def export_to(path: Path, folder: Path, *, name: str | None = None, **asked: Any) -> list[str]:
     """Export a cell as a self-contained C library.
 
     Args:
         path: The cell file.
         folder: For the library.
         name: Prefix of every name in the library; None is the cell's.
-        plan: What the library plays at any speed.
         **asked: What else `export_library` there takes.
 
     Returns:
@@ -198,7 +188,7 @@ def export_to(
     cell = cell_model(path)
     record = cell.record if name is None else replace(cell.record, name=name)
     functions = build_functions(cell, CACHED_STEM, bake=True)
-    texts = export_library(record, functions, kernel=one_file, plan=plan, **asked)
+    texts = export_library(record, functions, kernel=one_file, **asked)
     write_library(folder, texts)
     return sorted(texts)
 

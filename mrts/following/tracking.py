@@ -397,17 +397,17 @@ def nearest_turns(robot: Robot, q: Array, posture: Array) -> Array:
     return np.where(robot.turns, posture + (q - posture + np.pi) % (2 * np.pi) - np.pi, q)
 
 
-def within_limits(robot: Robot, q: Array) -> Array:
-    """Whole turns added to or taken from joints along a motion, Shape (N, n_i), that bring them inside their limits."""
-    turn = np.where(robot.turns, 2 * np.pi, np.inf)
-    low, high = np.min(q, axis=0), np.max(q, axis=0)
-    down = np.ceil((high - robot.position_upper) / turn - POSITION_TOLERANCE).clip(min=0)
-    up = np.ceil((robot.position_lower - low) / turn - POSITION_TOLERANCE).clip(min=0)
-    shift = np.where(np.isfinite(turn), turn, 0.0)
-    fits_down = low - shift * down >= robot.position_lower - POSITION_TOLERANCE
-    fits_up = high + shift * up <= robot.position_upper + POSITION_TOLERANCE
-    moved: Array = q + shift * (np.where(fits_up, up, 0.0) - np.where(fits_down, down, 0.0))
-    return moved
+def _turned_inside(robot: Robot, q: Array) -> Array:
+    """Joint positions with whole turns added that bring them inside their limits, Shape (n_i,), where some do."""
+    turns = np.ceil((robot.position_lower - q) / (2 * np.pi) - POSITION_TOLERANCE).clip(min=0)
+    turns -= np.ceil((q - robot.position_upper) / (2 * np.pi) - POSITION_TOLERANCE).clip(min=0)
+    moved = q + np.where(robot.turns, 2 * np.pi * turns, 0.0)
+    return np.where(_outside(robot, moved) <= POSITION_TOLERANCE, moved, q)
+
+
+def _outside(robot: Robot, q: Array) -> Array:
+    """How far joint positions, Shape (…, n_i), are beyond a limit, negative inside."""
+    return np.maximum(robot.position_lower - q, q - robot.position_upper)
 
 
 def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POSITION_TOLERANCE) -> None:
@@ -418,7 +418,7 @@ def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POS
     """
     for robot in cell.robots:
         own = q[:, cell.joint_slices[robot.name]]
-        beyond = np.maximum(robot.position_lower - own, own - robot.position_upper) > tolerance
+        beyond = _outside(robot, own) > tolerance
         if np.any(beyond):
             sample = int(np.argmax(np.any(beyond, axis=1)))
             joint = int(np.argmax(beyond[sample]))
@@ -439,8 +439,8 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     for candidate in held[settled[:, index]][:, joints]:
         # a redundant arm has settled where its null space points, whole turns and all
         near = candidate if redundant else nearest_turns(robot, candidate, robot.posture)
-        near = within_limits(robot, near[None])[0]
-        inside = np.all(np.maximum(robot.position_lower - near, near - robot.position_upper) <= POSITION_TOLERANCE)
+        near = _turned_inside(robot, near)
+        inside = np.all(_outside(robot, near) <= POSITION_TOLERANCE)
         apart = (nearest_turns(robot, near, other) - other for other in distinct)
         if inside and not any(np.max(np.abs(off)) < SAME_BRANCH for off in apart):
             distinct.append(near)

@@ -23,7 +23,7 @@ from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_text import MAX_YAML_BYTES, parse_yaml, yaml_text
 from mrts.cell.cell import Cell, load_cell
-from mrts.cell.cell_file import read_cell_description
+from mrts.cell.cell_file import CellDescription
 from mrts.cell.cell_keys import cell_keys
 from mrts.cell.number_paths import ONE_FOR_ALL, Keys, set_value, value_at
 from mrts.collisions.clearance import CollisionModel
@@ -306,7 +306,7 @@ def read_study(path: Path | str) -> Study:
 
 
 def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
-    for keys, reference in read_cell_description(path).references.items():
+    for keys, reference in CellDescription.read_file(path, "cell file").references.items():
         folder = path.resolve().parent
         file = str(reference.path(path, folder).absolute())
         yield StudyFile(keys, value_at(given, keys), file, reference.content(path, folder))

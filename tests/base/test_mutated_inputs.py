@@ -16,7 +16,7 @@ from mrts_codegen.cell_model import build_cell_model
 from mutations import mutated
 
 import mrts
-from mrts.cell.cell_file import read_cell_description
+from mrts.cell.cell_file import CellDescription
 from mrts.cell.record import read_generated
 from mrts.cli import main
 from mrts.studies.variants import solve_variants
@@ -51,7 +51,7 @@ GENERATED = ROOT / "generated" / "planar_dual_arm"
 
 
 def read_cell(path):
-    build_cell_model(path, read_cell_description(path))
+    build_cell_model(path, CellDescription.read_file(path, "cell file"))
 
 
 def read_motion(path):

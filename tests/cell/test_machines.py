@@ -19,7 +19,7 @@ from random_cells import configuration
 from same_cells import same_cell
 
 import mrts
-from mrts.cell.cell_file import read_cell_description
+from mrts.cell.cell_file import CellDescription
 
 pytestmark = pytest.mark.quick
 
@@ -40,7 +40,7 @@ def hold(**positions):
 
 
 def read(path):
-    return build_cell_model(path, read_cell_description(path))
+    return build_cell_model(path, CellDescription.read_file(path, "cell file"))
 
 
 def test_a_shared_joint_is_refused_with_the_ways_out(tmp_path):

@@ -11,7 +11,7 @@ from shipped_cells import shipped
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
-from mrts.cell.cell_file import cell_description
+from mrts.cell.cell_file import CellDescription
 
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
 CUP = {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}
@@ -29,7 +29,7 @@ def squeezed(object_=None, **robot):
 
 
 def read(cell, folder="."):
-    return build_cell_model(Path("cell.yaml"), cell_description(cell, "cell.yaml"), Path(folder))
+    return build_cell_model(Path("cell.yaml"), CellDescription.read("cell.yaml", cell), Path(folder))
 
 
 def place_on(shape, rng):

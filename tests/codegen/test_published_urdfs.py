@@ -15,7 +15,7 @@ from published_robots import CASES, ROBOTS, urdf_path
 from yourdfpy import URDF
 
 import mrts
-from mrts.cell.cell_file import read_cell_description
+from mrts.cell.cell_file import CellDescription
 
 REFUSALS = {
     r"no joint moves between": None,
@@ -120,7 +120,7 @@ def arm_cell(folder, replacements, *, torque=True):
 
 
 def read(path):
-    return build_cell_model(path, read_cell_description(path))
+    return build_cell_model(path, CellDescription.read_file(path, "cell file"))
 
 
 def with_limit(joint, limit, kind="continuous"):

@@ -1,4 +1,4 @@
-"""Inverse kinematics of spatial and redundant arms, how far they reach, and its outcomes."""
+"""Inverse kinematics of planar, spatial and redundant arms, how far they reach, and its outcomes."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from published_robots import CASES, urdf_path
 
 import mrts
 from mrts.cell.generation import arm_of_urdf, read_urdf
-from mrts.following.tracking import CLEARLY, arm_reach
+from mrts.following.tracking import CLEARLY, arm_reach, branches_at_start
 from mrts.starting.arm import Arm
 
 
@@ -89,3 +89,23 @@ def test_no_joint_positions_reach_further_and_some_nearly_as_far(name):
     distance = np.linalg.norm(state.p + state.R @ wrist - shoulder, axis=1)
     assert np.max(distance) <= longest + CLEARLY
     assert np.max(distance) > NEARLY[len(arm.com)] * longest
+
+
+@pytest.mark.quick
+def test_both_branches_reach_and_the_posture_chooses(planar_cell, lift):
+    for index in range(2):
+        first, second = branches_at_start(planar_cell, index, lift)
+        assert np.sign(np.sin(first[1])) == -np.sign(np.sin(second[1]))
+    up_up = mrts.follow_object(planar_cell, lift)
+    assert (np.sign(up_up.q[:, 1]) == -1).all()
+    assert (np.sign(up_up.q[:, 4]) == 1).all()
+    down_up = mrts.follow_object(planar_cell.with_postures({"left": [0.5, 2.1, -2.6]}), lift)
+    assert (np.sign(down_up.q[:, 1]) == 1).all()
+    assert (np.sign(down_up.q[:, 4]) == 1).all()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("xyz", "rpy"), [((1.25, 1.2, 0.1), (0, 0, 0)), ((1.25, 1.2, 0), (0.1, 0, 0))])
+def test_a_path_out_of_the_plane_is_refused(planar_cell, xyz, rpy):
+    with pytest.raises(mrts.MotionError, match="leaves the plane xy"):
+        mrts.follow_object(planar_cell, motion(xyz, rpy, start=(1.25, 1.0, 0.0), duration=0.5))

@@ -15,7 +15,7 @@ from mrts_codegen.cell_model import build_cell_model
 from random_cells import configuration, random_spatial_urdf
 
 import mrts
-from mrts.cell.cell_file import read_cell_description
+from mrts.cell.cell_file import CellDescription
 from mrts.cell.points import CarriedThing
 from mrts.limits.motion_limits import arm_point, norm_rows, object_point
 from mrts.limits.rows import RowName
@@ -37,7 +37,7 @@ def random_arm(rng, folder):
     cell = {"name": "one", "gravity": [0, 0, -G], "object": {"mass": 1, "inertia": [1, 1, 1]}, "robots": [robot]}
     path = folder / "cell.yaml"
     path.write_text(yaml.safe_dump(cell), encoding="utf-8")
-    return build_cell_model(path, read_cell_description(path)).record.robots[0], held
+    return build_cell_model(path, CellDescription.read_file(path, "cell file")).record.robots[0], held
 
 
 @pytest.mark.parametrize("seed", range(draws(4)))

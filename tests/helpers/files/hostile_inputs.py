@@ -24,9 +24,9 @@ CPU = 100
 def read(kind: str, path: Path) -> None:
     """Read a file as its kind."""
     if kind == "cell":
-        from mrts.cell.cell_file import read_cell_description  # noqa: PLC0415 (not before it is needed)
+        from mrts.cell.cell_file import CellDescription  # noqa: PLC0415 (not before it is needed)
 
-        for reference in read_cell_description(path).references.values():
+        for reference in CellDescription.read_file(path, "cell file").references.values():
             reference.sha256(path, path.parent)
     elif kind == "urdf":
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
