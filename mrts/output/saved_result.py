@@ -32,7 +32,7 @@ from mrts.timing.result import RetimingResult
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 13
+VERSION = 14
 """Of arrays and description together; any change of what results hold raises it, unless it is one of the manifest."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -77,7 +77,7 @@ def save_result(result: ScalingResult | RetimingResult, path: Path | str) -> Non
     writer = TreeWriter({Cell: _cell_entry}, found)
     known = {"format": FORMAT_NAME, "version": VERSION, "manifest_format": FORMAT, "mrts_version": __version__}
     text = json.dumps(known | {"result": writer.entry(result, "")}, ensure_ascii=False)
-    arrays: dict[str, Any] = writer.arrays() | {"description": np.frombuffer(text.encode(), dtype=np.uint8)}
+    arrays: dict[str, Any] = writer.arrays | {"description": np.frombuffer(text.encode(), dtype=np.uint8)}
     arrays["seal"] = seal(arrays)
 
     def write(temporary: Path) -> None:

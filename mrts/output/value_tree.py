@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
-from math import prod
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -19,11 +18,7 @@ from numpy.typing import NDArray
 Arrays = dict[str, NDArray[Any]]
 
 SMALL = 16
-"""Numbers of an array that stands, as those in lists, which may be long, with others in a pool of its kind of number;
-larger ones stand under their path."""
-
-POOL = "pool."
-"""Before the kind of the numbers of a pool."""
+"""Numbers of an array that stands in the tree; larger ones stand under their path."""
 
 LEFT_OUT = {"course", "problem"}
 """Fields that are functions: None when they are read."""
@@ -39,17 +34,18 @@ class TreeWriter:
     Args:
         own: How values of some classes are written, each a function of the writer, a value and its path.
         found: Cached properties that are kept, by class: finding them takes what is not written.
+
+    Attributes:
+        arrays: What stands beside the tree.
     """
 
     def __init__(self, own: Mapping[type, Callable[..., Any]], found: Mapping[str, Sequence[str]]) -> None:
-        self._arrays: Arrays = {}
-        self._pools: dict[str, list[NDArray[Any]]] = {}
-        self._filled: dict[str, int] = {}
+        self.arrays: Arrays = {}
         self._own, self._found = own, found
         self._known: dict[int, tuple[object, str]] = {}
 
     def entry(self, value: Any, path: str) -> Any:  # noqa: PLR0911 (one a kind of value)
-        """What JSON says of a value; large arrays are added to `arrays()`."""
+        """What JSON says of a value; large arrays are added to `arrays`."""
         if isinstance(value, np.generic | Enum):
             return value.item() if isinstance(value, np.generic) else value.value
         if value is None or isinstance(value, bool | int | float | str):
@@ -62,14 +58,10 @@ class TreeWriter:
         if first != path:
             return {"same": first}
         if isinstance(value, np.ndarray):
-            if value.size > SMALL and not any(part.isdecimal() for part in path.split(".")):
-                self._arrays[path] = value
+            if value.size > SMALL:
+                self.arrays[path] = value
                 return {"array": path}
-            number = value.dtype.name
-            start = self._filled.get(number, 0)
-            self._pools.setdefault(number, []).append(value.ravel())
-            self._filled[number] = start + value.size
-            return {"pool": number, "start": start, "shape": list(value.shape)}
+            return {"numbers": value.ravel().tolist(), "kind": value.dtype.str, "shape": value.shape}
         kind = type(value)
         if kind in self._own:
             return self._own[kind](self, value, path)
@@ -78,10 +70,6 @@ class TreeWriter:
         names |= {name: name for name in self._found.get(kind.__name__, ())}
         parts = {name: self.entry(getattr(value, read), _below(path, name)) for name, read in names.items()}
         return {"class": kind.__name__, **parts}
-
-    def arrays(self) -> Arrays:
-        """All that stands beside the tree."""
-        return self._arrays | {POOL + name: np.concatenate(parts) for name, parts in self._pools.items()}
 
 
 class TreeReader:
@@ -128,13 +116,11 @@ class TreeReader:
         return value
 
     def _array(self, entry: dict[str, Any]) -> NDArray[Any]:
-        found = self._arrays[entry["array"] if "array" in entry else POOL + entry["pool"]]
-        if found.dtype.kind not in "biuf":
-            raise TypeError(f"{found.dtype} are no numbers")
-        if "array" in entry:
-            return found
-        start, shape = entry["start"], entry["shape"]
-        return found[start : start + prod(shape)].reshape(shape).copy()
+        found = self._arrays[entry["array"]] if "array" in entry else None
+        kind = np.dtype(entry["kind"]) if found is None else found.dtype
+        if kind.kind not in "biuf":
+            raise TypeError(f"{kind} are no numbers")
+        return np.array(entry["numbers"], kind).reshape(entry["shape"]) if found is None else found
 
     def made(self, kind: type, entry: dict[str, Any], path: str) -> Any:
         """A value of a class, made as an unpickled one is."""
@@ -174,7 +160,7 @@ def _fits(kind: Any, entry: Any) -> bool:  # noqa: PLR0911 (one a kind of entry)
     if isinstance(entry, list):
         return origin in {list, tuple, Sequence}
     if isinstance(entry, dict):
-        if {"array", "pool"} & entry.keys():
+        if {"array", "numbers"} & entry.keys():
             return origin is np.ndarray
         if "class" in entry:
             return is_dataclass(kind) and entry["class"] in _family(kind)

@@ -20,8 +20,8 @@ from mrts.plots.plot import LONGEST_LABEL, Item, Line, Panel, Plot, Points, shor
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
 
-SYMBOLS = {"circle": "o", "dot": ".", "cross": "x", "star": "*", "up": "^"}
-SIZES = {"circle": 6.0, "dot": 2.0, "cross": 6.0, "star": 13.0, "up": 5.0}
+SYMBOLS = {"circle": "o", "dot": ".", "cross": "x", "star": "*"}
+SIZES = {"circle": 6.0, "dot": 2.0, "cross": 6.0, "star": 13.0}
 
 DPI = 150
 NOTEBOOK_DPI = 96
@@ -133,11 +133,10 @@ def _label(name: str, longest: int = LONGEST_LABEL) -> str:
 def _draw(axes: Axes, panel: Panel, longest: int, *, labelled: bool) -> None:
     axes.margins(x=0)
     axes.set(xlabel=_label(panel.x.label, longest) if labelled else "", ylabel=_label(panel.y.label, longest))
-    axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
     for name, axis in (("xlim", panel.x), ("ylim", panel.y)):
         if axis.ends:  # else they follow what is drawn
             axes.set(**{name: axis.ends})
-    for item in panel.drawn:
+    for item in panel.items:
         _add(axes, item)
     if panel.y.names:
         labels = [_label(name) for name in panel.y.names]

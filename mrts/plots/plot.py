@@ -63,7 +63,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Points:
-    """Marks, each with a text beside it: "circle", "dot" (a small one), "cross", "star" or "up"."""
+    """Marks, each with a text beside it: "circle", "dot" (a small one), "cross" or "star"."""
 
     x: Array
     y: Array
@@ -99,7 +99,6 @@ class Axis:
 
     label: str = ""
     ends: tuple[float, float] | None = None
-    log: bool = False
     names: Sequence[str] = ()
     colors: Sequence[str] = ()
     strong: Sequence[bool] = ()
@@ -115,24 +114,6 @@ class Panel:
     items: Sequence[Item] = ()
     title: str = ""
     note: str = ""
-
-    @property
-    def drawn(self) -> list[Item]:
-        """The items, and marks where curves go on above what is shown."""
-        if self.y.ends is None or self.y.names:
-            return list(self.items)
-        top, places = self.y.ends[1], [np.empty(0)]
-        for item in self.items:
-            if isinstance(item, Line):
-                over = np.where(np.isnan(item.y), -np.inf, item.y) > top
-                below = np.isfinite(item.y) & ~over
-                at = np.flatnonzero((over[1:] & below[:-1]) | (below[1:] & over[:-1]))
-                y = np.minimum(item.y, 1e9 * max(abs(top), 1.0))  # where it comes from infinity
-                share = (top - y[at]) / (y[at + 1] - y[at])
-                places.append(item.x[at] + share * (item.x[at + 1] - item.x[at]))
-        x = np.concatenate(places)
-        marks = Points(x=x, y=np.full(len(x), top), symbol="up", color="#555", label="goes on above")
-        return [*self.items, *([marks] if x.size else [])]
 
 
 @dataclass(frozen=True, kw_only=True)

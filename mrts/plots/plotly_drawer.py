@@ -14,8 +14,8 @@ from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Points, shorten
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""
 
-SYMBOLS = {"circle": "circle", "dot": "circle", "cross": "x", "star": "star", "up": "triangle-up"}
-SIZES = {"circle": 10, "dot": 3, "cross": 9, "star": 15, "up": 8}
+SYMBOLS = {"circle": "circle", "dot": "circle", "cross": "x", "star": "star"}
+SIZES = {"circle": 10, "dot": 3, "cross": 9, "star": 15}
 
 MOST_SAMPLES = 500
 """Evenly chosen samples of a line; the extreme ones of every line are kept beside these."""
@@ -60,7 +60,7 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
             "domain": [max(0.0, bottom + (0.03 if number < len(panels) - 1 else 0)), top]
         }
         top = bottom
-        drawn = [trace for item in panel.drawn for trace in _traces(item, panel)]
+        drawn = [trace for item in panel.items for trace in _traces(item, panel)]
         traces += [trace | {"yaxis": f"y{last}"} for trace in drawn]
         if panel.note:
             word = {"x": 0.5, "xref": "paper", "y": 0.5, "yref": f"y{last} domain", "showarrow": False}
@@ -98,10 +98,8 @@ def shown_samples(count: int, *values: Array) -> NDArray[np.int_]:
 
 def _axis(axis: Axis) -> dict[str, Any]:
     shape = FRAME | {"title": {"text": plot_text(axis.label)}}
-    if axis.log:
-        shape["type"] = "log"
     if axis.ends is not None:
-        shape["range"] = numbers(np.log10(axis.ends) if axis.log else np.array(axis.ends))
+        shape["range"] = numbers(np.array(axis.ends))
     if not axis.names:
         return shape
     labels = [plot_text(name) for name in map(shortened, axis.names)]

@@ -51,9 +51,6 @@ SHARES = (50, 90, 95, 99)
 """Of the variants, of which the duration is told within which they finish [%]."""
 
 
-WIDE = 10.0
-"""Times the shortest duration from which an axis of durations is logarithmic."""
-
 SAME = 0.01
 """Share of a duration by which an axis of durations that are all alike is wide."""
 
@@ -266,11 +263,6 @@ def _number_panel(table: StudyTable, name: str, values: Array) -> Panel:
     )
 
 
-def _spreads_widely(table: StudyTable) -> bool:
-    durations = table.duration[table.ranked]
-    return len(durations) > 0 and bool(durations[-1] > WIDE * durations[0])
-
-
 def durations_plot(table: StudyTable) -> Plot:
     """Which share of all variants finishes within a duration."""
     title = _title(table, "; ".join(managed_texts(table)) if len(table.ranked) else "")
@@ -281,7 +273,7 @@ def durations_plot(table: StudyTable) -> Plot:
     marks = [(share, end) for share in SHARES if (end := managed(table, share)) is not None]
     share, at = (np.array([mark[part] for mark in marks], dtype=np.float64) for part in (0, 1))
     ends = (float(durations[0]), max(float(durations[-1]), (1 + SAME) * float(durations[0])))
-    x = Axis(label="shortest duration [s]", log=_spreads_widely(table), ends=ends, hover="{} s")
+    x = Axis(label="shortest duration [s]", ends=ends, hover="{} s")
     items: list[Item] = [
         Line(x=durations, y=percent, label="finish within this duration", unit="%", steps=True),
         level(float(percent[-1]), x, color=COLOURS[1], dash=1, label="can be played at all"),

@@ -106,7 +106,10 @@ def shape_surface(cell: Cell, shape: BodyShape, most: int = MOST_DRAWN) -> Surfa
     if shape.box is not None:
         vertices, triangles = CORNERS * np.array(shape.box), TRIANGLES
     elif shape.cylinder is not None:
-        vertices, triangles = _cylinder(shape.cylinder.radius, shape.cylinder.length)
+        from trimesh.creation import cylinder  # noqa: PLC0415 (half a second, for a shape that few cells have)
+
+        drawn = cylinder(shape.cylinder.radius, shape.cylinder.length, sections=AROUND)
+        vertices, triangles = np.asarray(drawn.vertices), np.asarray(drawn.faces)
     else:
         vertices, triangles = coarser_surface(*mesh_surface(shape, cell.surfaces), most)
     pose = shape.pose.transform
@@ -134,17 +137,3 @@ def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.in
     flat = (count == 2) & (np.sum(total**2, axis=1) >= 2 + 2 * np.cos(FLAT))  # noqa: PLR2004 (the normals of both sides)
     bent: NDArray[np.int64] = found[~flat]
     return bent
-
-
-def _cylinder(radius: float, length: float) -> tuple[Array, NDArray[np.int64]]:
-    """About the z axis: two circles, and the middle of each."""
-    angle = 2 * np.pi * np.arange(AROUND) / AROUND
-    circle = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    ends = [np.column_stack([circle, np.full(AROUND, side * length / 2)]) for side in (-1, 1)]
-    vertices = np.concatenate([*ends, [[0, 0, -length / 2], [0, 0, length / 2]]])
-    low = np.arange(AROUND)
-    following, high = np.roll(low, -1), low + AROUND
-    above = np.roll(high, -1)
-    bottom, top = np.full(AROUND, 2 * AROUND), np.full(AROUND, 2 * AROUND + 1)
-    parts = [(low, following, above), (low, above, high), (bottom, following, low), (top, high, above)]
-    return vertices, np.concatenate([np.stack(part, axis=1) for part in parts])

@@ -76,23 +76,25 @@ def places(given: Given) -> list[Place]:
     return [*bases, *grasps, *([Place("start"), Place("end")] if given.description is not None else [])]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Choices:
     """What differs from what was given; as they are, nothing does.
 
     Attributes:
         mass: Of the object [kg]; None is the given one.
         limits: Share of a given limit by its name, both sides alike.
-        offsets: Of places that were moved, from where they were given: shift [m], turn as a vector [rad], Shape (6,).
+        offsets: Of places that were moved, from where they were given: shift [m], turn as a vector [rad].
         torque_rate: Of the smooth profile, for joints whose rate is not known [1/s].
+        speed: That it is played at, the nearest on offer; None is the first choice.
         simulated: Whether a controller plays the motion too, as `mrts.simulate` does.
     """
 
     mass: float | None = None
     limits: Mapping[Changed, float] = field(default_factory=dict)
-    offsets: Mapping[Place, Array] = field(default_factory=dict)
+    offsets: Mapping[Place, tuple[float, ...]] = field(default_factory=dict)
     profile: Profile = "constant"
     torque_rate: float = TORQUE_RATE
+    speed: float | None = None
     simulated: bool = False
 
     def cell(self, given: Given) -> Cell:
@@ -118,22 +120,17 @@ class Choices:
         Raises:
             InputError: If two waypoints became the same.
         """
-        described = self.description(given)
-        return given.motion if described is given.description or described is None else sample_motion(described)
-
-    def description(self, given: Given) -> MotionDescription | None:
-        """The description of the motion as it was chosen; None of a table."""
         described = given.description
         moved: dict[str, Any] = {
             place.kind: Pose(**pose_keys(pose)) for place, pose in self.poses(given).items() if not place.robot
         }
         if described is None or not moved:
-            return described
+            return given.motion
         keys = {key: value for key, value in described if value is not None}
         if described.waypoints:
             start, *between, end = described.waypoints
             moved = {"waypoints": [moved.get("start", start), *between, moved.get("end", end)]}
-        return MotionDescription(**keys | moved)
+        return sample_motion(MotionDescription(**keys | moved))
 
     def with_limit(self, name: Changed, share: float) -> "Choices":
         """With another share of a limit."""
@@ -142,17 +139,18 @@ class Choices:
 
     def with_offset(self, place: Place, offset: Array) -> "Choices":
         """With a place elsewhere, of a base with all of its machine."""
-        return replace(self, offsets={**self.offsets, place: offset})
+        return replace(self, offsets={**self.offsets, place: tuple(offset.tolist())})
 
     def offset(self, place: Place) -> Array:
         """How far a place is from where it was given, Shape (6,)."""
-        return self.offsets.get(place, np.zeros(6))
+        return np.array(self.offsets.get(place, np.zeros(6)))
 
     def poses(self, given: Given) -> dict[Place, RigidTransform]:
         """Of places that were moved; positions are rounded."""
         moved = {}
-        for place, offset in self.offsets.items():
-            start, turn = place.given(given), rotations_from_vectors(offset[None, 3:])[0]
+        for place in self.offsets:
+            start, offset = place.given(given), self.offset(place)
+            turn = rotations_from_vectors(offset[None, 3:])[0]
             moved[place] = RigidTransform(turn @ start.R, np.round(start.p + offset[:3], DECIMALS))
         return moved
 

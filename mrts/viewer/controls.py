@@ -78,8 +78,8 @@ class ChangeControls:
         self._keys = self._gui.add_html("")
         self.show()
 
-    def follow(self, speed_at: Callable[[Choices], float | None]) -> None:
-        """Take over what was changed since the last call, and ask for its answer at a speed; None is the first one.
+    def follow(self) -> None:
+        """Take over what was changed since the last call, and ask for its answer.
 
         Raises:
             InputError: If a value breaks a rule.
@@ -90,7 +90,7 @@ class ChangeControls:
             control.shown = control.handle.value
             choices = control.apply(choices, control.shown)
         if choices is not bench.choices:
-            bench.edit(choices, speed_at(choices))
+            bench.edit(choices)
         if changed:
             self.show()
 
@@ -128,7 +128,7 @@ class ChangeControls:
             "profile", ("constant", "optimal", "smooth"),
             hint="one factor of speed, the fastest timing r(t), or the fastest whose torques change at limited rates",
         )  # fmt: skip
-        self._bind_field(profile, "profile")
+        self._bind(profile, lambda now: now.profile, lambda now, value: replace(now, profile=value, speed=None))
         self._rate = gui.add_slider(
             "torque rate [1/s]", 1.0, FASTEST_RATE, 0.5, Choices().torque_rate, visible=False,
             hint="a multiple of the torque limit per second, for joints whose rate the cell file does not give",

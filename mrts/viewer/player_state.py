@@ -60,7 +60,7 @@ MOST_SAMPLES = 41
 
 @dataclass(frozen=True)
 class Speeds:
-    """The speeds c that are offered: from `lower` to `upper` by `step`, a power of ten; `start` is the first choice.
+    """The speeds c that are offered: from `lower` to `upper` in `digits` decimal places; `start` is the first choice.
 
     `ends` are those c² of both ends that are finite and > 0.
     """
@@ -68,17 +68,12 @@ class Speeds:
     ends: list[float]
     lower: float
     upper: float
-    step: float
+    digits: int
     start: float
-
-    @property
-    def digits(self) -> int:
-        """Decimal places that tell neighbours apart."""
-        return max(0, -round(log10(self.step)))
 
     def c2(self, c: float) -> float:
         """The c² that a c on offer stands for: the exact end where the end lies within half a step."""
-        near = [c2 for c2 in self.ends if abs(sqrt(c2) - c) <= self.step / 2]
+        near = [c2 for c2 in self.ends if abs(sqrt(c2) - c) <= 10.0**-self.digits / 2]
         return near[-1] if near else c * c
 
 
@@ -95,13 +90,12 @@ def offered_speeds(found: ScalingRange) -> Speeds:
     upper = max([most, *(BEYOND * c for c in of_ends)])
     stands = not both or both[0] <= 0 or found.samples.several
     lower = SLOWEST * upper if stands else min([start, *of_ends]) / BEYOND
-    power = floor(log10((upper - lower) / STEPS))
-    step = 10.0**power
-    lower, upper = (round(count * step, -power) for count in (max(floor(lower / step), 1), ceil(upper / step)))
-    return Speeds(ends, lower, upper, step, start)
+    digits = max(0, -floor(log10((upper - lower) / STEPS)))
+    steps = 10.0**digits
+    return Speeds(ends, max(floor(lower * steps), 1) / steps, ceil(upper * steps) / steps, digits, start)
 
 
-OF_TIMINGS = Speeds(ends=[1.0], lower=0.1, upper=BEYOND, step=1e-3, start=1.0)
+OF_TIMINGS = Speeds(ends=[1.0], lower=0.1, upper=BEYOND, digits=3, start=1.0)
 """Speeds of a timing that was found: shares of its own."""
 
 
@@ -128,7 +122,7 @@ class PlayerState:
     def saved(cls, result: ScalingResult, timing: RetimingResult | None = None) -> "PlayerState":
         """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
         done = result.done
-        return cls(result, done, Speeds([], done.c, done.c, 1.0, done.c), timing=timing)
+        return cls(result, done, Speeds([], done.c, done.c, 0, done.c), timing=timing)
 
     def at_speed(self, c: float) -> "PlayerState":
         """The same outcome played at another speed, a factor > 0: one within half a step of an end is that end.

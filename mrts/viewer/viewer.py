@@ -7,6 +7,7 @@ slider never queues up work. Answers are found in the workbench's own thread.
 
 import contextlib
 import time
+from dataclasses import replace
 from queue import SimpleQueue
 from typing import Any
 
@@ -144,25 +145,19 @@ class Viewer:
             self._show_answer(answer)
         self._follow_changes()
         if self._speed.value != self._shown_speed:
-            self._shown_speed = self._speed.value
-            bench.ask(self._shown_speed)
+            self._shown_speed = c = self._speed.value
+            state = self.state
+            first = state is not None and state.speeds.c2(c) == state.speeds.c2(state.speeds.start)
+            bench.edit(replace(bench.choices, speed=None if first else c))
 
     def _follow_changes(self) -> None:
         if self._changes is not None:
-            self._changes.follow(self._speed_at)
-
-    def _speed_at(self, choices: Choices) -> float | None:
-        """The speed that other choices are played at: the first one while that is shown, and of another profile."""
-        state = self.state
-        if state is None or state.profile != choices.profile or state.trajectory.c == state.speeds.start:
-            return None
-        return state.trajectory.c
+            self._changes.follow()
 
     def _show_verdict(self) -> None:
         computing = outdated = False
         if (bench := self.bench) is not None:
-            computing, shown = bench.is_asked, self._answer
-            outdated = computing or shown is not bench.answer or shown.choices is not bench.choices
+            computing, outdated = bench.is_asked, self._answer.choices is not bench.choices
         self._verdict.content = verdict_html(self._outcome, self._error, computing=computing, outdated=outdated)
 
     def _show_answer(self, answer: Answer) -> None:

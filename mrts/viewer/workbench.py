@@ -74,10 +74,6 @@ def _simulated(state: PlayerState) -> Simulation | MrtsError:
         return error
 
 
-_Request = tuple[Choices, float | None]
-"""Choices, and the speed that they are to be played at; each by its identity."""
-
-
 class Workbench:
     """Choices of one user, and the newest answer that was taken.
 
@@ -89,13 +85,11 @@ class Workbench:
         self.given, self.choices = given, Choices()
         self._worker = ThreadPoolExecutor(1, "mrts workbench")
         self._jobs: list[Future[None]] = []
-        self._ready: SimpleQueue[tuple[_Request | None, Answer]] = SimpleQueue()
-        self._request: _Request | None = None
-        self._taken: _Request | None = None
+        self._ready: SimpleQueue[Answer] = SimpleQueue()
         self._known = self.answer = find_answer(given, self.choices, progress)
         if isinstance(self.answer.shown, MrtsError):
             raise self.answer.shown
-        self._jobs.append(self._worker.submit(self._look_for_collisions, None, self.answer))
+        self._jobs.append(self._worker.submit(self._look_for_collisions, self.answer))
 
     @property
     def waits(self) -> bool:
@@ -105,20 +99,12 @@ class Workbench:
     @property
     def is_asked(self) -> bool:
         """Whether an answer to something newer is on its way than what was taken."""
-        return self._taken is not self._request
+        return self.answer.choices is not self.choices
 
-    def edit(self, choices: Choices, speed: float | None = None) -> None:
-        """Take other choices and ask for their answer, played at a speed as of `ask`."""
+    def edit(self, choices: Choices) -> None:
+        """Take other choices and ask for their answer; what was asked before is dropped."""
         self.choices = choices
-        self.ask(speed)
-
-    def ask(self, speed: float | None) -> None:
-        """Ask for the answer to the choices as they are, at the nearest speed on offer; None is the first choice.
-
-        What was asked before is dropped.
-        """
-        self._request = (self.choices, speed)
-        self._jobs.append(self._worker.submit(self._answer, self._request))
+        self._jobs.append(self._worker.submit(self._answer, choices))
 
     def take(self) -> list[Answer]:
         """What became ready since the last call, oldest first."""
@@ -128,52 +114,52 @@ class Workbench:
             job.result()  # raises what a defect raised
         news: list[Answer] = []
         while not self._ready.empty():
-            self._taken, self.answer = self._ready.get()
+            self.answer = self._ready.get()
             news.append(self.answer)
         return news
 
     def close(self) -> None:
         """Answer nothing more; what is being worked on ends by itself."""
-        self._request = None
+        self.choices = Choices()
         self._worker.shutdown(wait=False, cancel_futures=True)
 
-    def _answer(self, request: _Request) -> None:
+    def _answer(self, choices: Choices) -> None:
         with suppress(CancelledError):
-            progress = self._while_newest(request)
+            progress = self._while_newest(choices)
             progress(0, 0)
-            found = self._found(request, progress)
-            self._ready.put((request, found))
-            if found.state is not None and found.choices.simulated:
+            found = self._found(choices, progress)
+            self._ready.put(found)
+            if found.state is not None and choices.simulated:
                 found = replace(found, simulation=_simulated(found.state))
-                self._ready.put((request, found))
-            self._look_for_collisions(request, found)
+                self._ready.put(found)
+            self._look_for_collisions(found)
 
-    def _look_for_collisions(self, request: _Request | None, found: Answer) -> None:
+    def _look_for_collisions(self, found: Answer) -> None:
         if found.state is None or found.collisions is not None:
             return
         result = found.state.result
         with suppress(CancelledError):
-            looked = clearance_remarks(result.cell, result.motion, self._while_newest(request))
+            looked = clearance_remarks(result.cell, result.motion, self._while_newest(found.choices))
             self._known = replace(self._known, collisions=looked)
-            self._ready.put((request, replace(found, collisions=looked)))
+            self._ready.put(replace(found, collisions=looked))
 
-    def _while_newest(self, request: _Request | None) -> Progress:
-        """What ends work on a request once there is a newer one."""
+    def _while_newest(self, choices: Choices) -> Progress:
+        """What ends work on choices once there are newer ones."""
 
         def progress(_done: int, _total: int) -> None:
-            if request is not self._request:
+            if choices is not self.choices:
                 raise CancelledError
 
         return progress
 
-    def _found(self, request: _Request, progress: Progress) -> Answer:
-        known, (choices, speed) = self._known, request
-        if known.choices is not choices:
-            known = self._known = find_answer(self.given, choices, progress)
+    def _found(self, choices: Choices, progress: Progress) -> Answer:
+        if replace(self._known.choices, speed=choices.speed) != choices:
+            self._known = find_answer(self.given, choices, progress)
+        known = replace(self._known, choices=choices)
         if known.state is None:
             return known
-        speeds = known.state.speeds
-        c = speeds.start if speed is None else min(max(speed, speeds.lower), speeds.upper)
+        speeds, c = known.state.speeds, choices.speed
+        c = speeds.start if c is None else min(max(c, speeds.lower), speeds.upper)
         if speeds.c2(c) == known.state.trajectory.c2:
             return known
         try:

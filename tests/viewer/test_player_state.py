@@ -102,10 +102,10 @@ def test_speeds_on_offer_pass_both_ends(lower, upper, start, high):
     assert speeds.upper == pytest.approx(high, rel=0.01)
     assert 0 < speeds.lower < speeds.start <= speeds.upper
     assert all(speeds.lower < np.sqrt(c2) < speeds.upper for c2 in speeds.ends)
-    assert (speeds.upper - speeds.lower) / speeds.step >= 400
+    assert (speeds.upper - speeds.lower) / 10.0**-speeds.digits >= 400
     for c2 in speeds.ends:
         assert speeds.c2(round(float(np.sqrt(c2)), speeds.digits)) == c2
-    between = speeds.start - 3 * speeds.step
+    between = speeds.start - 3 * 10.0**-speeds.digits
     assert speeds.c2(between) == between**2
 
 

@@ -194,7 +194,7 @@ def test_an_answer_comes_again_with_its_collisions(fine):
     assert (looked.collisions[0].distance, looked.collisions[0].pair) == (near.distance, near.pair)
     wanted = mrts.retime(fine.given.cell.with_mass(9.0), fine.given.motion, rates=whole.choices.torque_rate)
     assert whole.state.trajectory.duration == pytest.approx(wanted.duration, rel=SAME)
-    fine.ask(0.5)
+    fine.edit(replace(fine.choices, speed=0.5))
     (slower,) = news_of(fine)
     assert slower.clearance()[0].time == pytest.approx(2 * near.time)
     assert slower.state.trajectory.duration == pytest.approx(2 * wanted.duration, rel=SAME)
