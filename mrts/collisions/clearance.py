@@ -22,6 +22,7 @@ from mrts.collisions.bodies import body_poses, mesh_file, posed_urdf, reading_me
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
+from mrts.following.tracking import random_starts
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 
@@ -35,9 +36,6 @@ POSES = 64
 
 PARALLEL, MEETING = 1e-6, 1e-3
 """Sine of the angle between axes below which they are parallel, and distance [m] below which others meet."""
-
-FREE_RANGE = {"revolute": np.pi, "prismatic": 1.0}
-"""Half the range from which these are drawn for a joint without limits [rad, m]."""
 
 FLAT = 1e-6
 """Least side of the box that stands for a mesh without volume [m]."""
@@ -273,8 +271,8 @@ class CollisionModel:
 
     def _always_overlap(self) -> NDArray[np.bool_]:
         """Pairs of links of one machine that overlap at all of the random postures, Shape (P,)."""
-        cell, random = self._cell, np.random.default_rng(0)
-        q = np.concatenate([_random_postures(robot, random) for robot in cell.robots], axis=1)
+        postures = [random_starts(robot, POSES, seed) for seed, robot in enumerate(self._cell.robots)]
+        q = np.concatenate(postures, axis=1)
         still, unturned = np.zeros((POSES, 3)), np.broadcast_to(np.eye(3), (POSES, 3, 3))
         poses = self._placed(np.arange(float(POSES)), q, still, unturned)
         return np.array(
@@ -391,13 +389,6 @@ def _are_neighbours(robot: Robot, low: int, high: int) -> bool:
     size = float(np.linalg.norm(across))
     apart = abs(across @ between) / size if size > PARALLEL else np.inf
     return bool(np.all(robot.turns[low : low + 2])) and apart < MEETING
-
-
-def _random_postures(robot: Robot, random: np.random.Generator) -> Array:
-    half = np.array([FREE_RANGE[kind] for kind in robot.joint_types])
-    lower = np.where(np.isfinite(robot.position_lower), robot.position_lower, -half)
-    upper = np.where(np.isfinite(robot.position_upper), robot.position_upper, half)
-    return random.uniform(lower, np.maximum(lower, upper), (POSES, len(half)))
 
 
 def coal_module() -> Any:

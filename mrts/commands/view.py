@@ -97,11 +97,7 @@ def run(
     rules = (
         (not drawn, of_films, "goes with --png FILE or --video FILE."),
         (png is None, ["at"], "is the moment of --png FILE."),
-        (
-            saved,
-            ["motion", "side_by_side", *given],
-            "does not go with a saved result, which is played as found.",
-        ),
+        (saved, ["motion", "side_by_side", *given], "does not go with a saved result, which is played as found."),
         (not saved and motion is None, [*given, *drawn], "needs a motion: mrts view CELL MOTION."),
         ("smooth" not in of_films.get("side_by_side", ()), ["rates"], "is of the smooth side: give it too."),
     )

@@ -432,7 +432,7 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     joints = cell.joint_slices[robot.name]
     redundant = is_redundant(cell, robot)
     start = np.tile(cell.posture, (starts, 1))
-    start[:, joints] = _random_starts(robot, starts)
+    start[:, joints] = random_starts(robot, starts)
     held, gap, turn, drift = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
     settled = reached(gap, turn) & (drift <= SETTLED_PREFERENCE)
     distinct: list[Array] = []
@@ -447,10 +447,10 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     return np.array(distinct).reshape(-1, len(robot.joints))
 
 
-def _random_starts(robot: Robot, count: int) -> Array:
-    rng = np.random.default_rng(BRANCH_SEED)
-    low = np.where(np.isfinite(robot.position_lower), np.maximum(robot.position_lower, -np.pi), -np.pi)
-    high = np.where(np.isfinite(robot.position_upper), np.minimum(robot.position_upper, np.pi), np.pi)
+def random_starts(robot: Robot, count: int, seed: int = BRANCH_SEED) -> Array:
+    """Joint positions of an arm, within half a turn (or pi m) and its limits, its posture first, Shape (count, n_i)."""
+    rng = np.random.default_rng(seed)
+    low, high = (np.clip(end, robot.position_lower, robot.position_upper) for end in (-np.pi, np.pi))
     starts = rng.uniform(low, high, (count, len(robot.joints)))
     starts[0] = robot.posture
     return starts

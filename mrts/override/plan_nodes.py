@@ -386,13 +386,7 @@ def _hardest(limits: _Limits, end: int, sign: float) -> tuple[Array, NDArray[np.
     bound = np.full_like(g, np.inf)
     bound[:, -1] = HIGHEST
     programs = ConvexPrograms(
-        H=None,
-        g=g,
-        A=problem.free[:, kept],
-        lower=lower[:, kept],
-        upper=upper[:, kept],
-        x_lower=-bound,
-        x_upper=bound,
+        H=None, g=g, A=problem.free[:, kept], lower=lower[:, kept], upper=upper[:, kept], x_lower=-bound, x_upper=bound
     )
     answers = solve_programs(programs, DEFAULT_SOLVER)
     still = np.max(np.abs(problem.rate), axis=1) <= REST * np.max(np.abs(problem.rate))

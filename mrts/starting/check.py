@@ -27,11 +27,7 @@ from mrts.base.formats.record import dumped
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell, uncompiled_cell
 from mrts.cell.generation import is_generated, read_without_generating
-from mrts.cell.remarks import (
-    COLLISIONS_UNKNOWN,
-    friction_sources,
-    torque_source,
-)
+from mrts.cell.remarks import COLLISIONS_UNKNOWN, friction_sources, torque_source
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.following.coordinate import coordinate
@@ -247,11 +243,7 @@ def check(
 
 
 def _with_reach(
-    found: CellCheck,
-    model: Any,
-    cell: Cell,
-    motion: ObjectMotion | JointTable | CoordinatedMotion,
-    progress: Progress,
+    found: CellCheck, model: Any, cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, progress: Progress
 ) -> CellCheck:
     if isinstance(motion, ObjectMotion):
         found = replace(found, remarks=(*found.remarks, *motion.remarks))

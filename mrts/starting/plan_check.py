@@ -289,11 +289,7 @@ def _given_torques(
     arm = max(float(np.linalg.norm(robot.T_object_tip.p)) for robot in cell.robots)
     moment = max(arm * largest, float(np.max(sizes[~forces])))
     group = RESIDUAL * np.where(forces, largest, moment)
-    return (
-        torque,
-        wrench,
-        [*_uses(names, time, residual, limit), *_uses(of_object, time, np.abs(short[rows]), group)],
-    )
+    return torque, wrench, [*_uses(names, time, residual, limit), *_uses(of_object, time, np.abs(short[rows]), group)]
 
 
 def _at(motion: CoordinatedMotion, rows: NDArray[np.intp]) -> CoordinatedMotion:

@@ -148,12 +148,7 @@ def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], betw
 
 def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
     start, end = (np.round(place, 6) + 0.0 for place in (layout.position, layout.position + layout.lift))
-    return {
-        "duration": duration,
-        "profile": "quintic",
-        "start": {"xyz": start.tolist()},
-        "end": {"xyz": end.tolist()},
-    }
+    return {"duration": duration, "profile": "quintic", "start": {"xyz": start.tolist()}, "end": {"xyz": end.tolist()}}
 
 
 def _cell_keys(request: Request, layout: Layout, mass: float) -> dict[str, Any]:

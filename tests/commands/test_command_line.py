@@ -135,10 +135,7 @@ def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message
         (["scale", *map(str, FILES), "--reserve", "1.5"], "--reserve = 1.5: must be < 1."),
         (["scale", *map(str, FILES), "--weights", "1,2"], "--weights = [1.0, 2.0]: must be finite: one number, 6 of"),
         (["scale", *map(str, FILES), "--load", "foo"], "--load = 'foo': must be nominal"),
-        (
-            ["scale", *map(str, FILES), "--between", "2"],
-            "--between = 2.0: must be a share of a limit from 1e-05",
-        ),
+        (["scale", *map(str, FILES), "--between", "2"], "--between = 2.0: must be a share of a limit from 1e-05"),
         (["simulate", *map(str, FILES)], "PLAN = '"),
         (["view", *map(str, FILES), "--video", "lift.avi"], "--video = 'lift.avi': must end in .gif or .mp4."),
         (["report", str(FILES[0])], "RESULT = '"),
@@ -212,6 +209,19 @@ def test_rates_of_the_cell_file_need_no_number(rated, capsys):
 def test_the_constant_factor_keeps_rates_too(capsys):
     free, kept = answered(capsys, "scale", CELL, LIFT), answered(capsys, "scale", CELL, LIFT, "--rates", "3")
     assert kept["c2"]["upper"] < free["c2"]["upper"]
+
+
+@pytest.mark.quick
+def test_what_changes_would_do_is_said_and_written_as_the_library_finds_it(planar_cell, lift, tmp_path, capsys):
+    command, found = ["scale", CELL, LIFT, "--what-if"], mrts.scale(planar_cell, lift).what_if()
+    assert main([*command, "--save", str(tmp_path / "a.npz"), "--report", str(tmp_path / "a.html")]) == 0
+    written = "".join(f"  {tmp_path / name}\n" for name in ("a.npz", "a.html"))
+    assert capsys.readouterr().out.endswith(f"\n\n{found}\n\nwritten:\n{written}")
+    assert answered(capsys, *command)["what_if"] == found.to_json()
+    assert mrts.load_result(tmp_path / "a.npz").changes == found
+    assert "What changes would do" in (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert main(["report", str(tmp_path / "a.npz"), "-o", str(tmp_path / "b.html")]) == 0
+    assert (tmp_path / "b.html").read_bytes() == (tmp_path / "a.html").read_bytes()
 
 
 def test_energy_is_least_within_a_duration(capsys):

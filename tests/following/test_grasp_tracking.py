@@ -10,7 +10,7 @@ from published_robots import CASES, urdf_path
 
 import mrts
 from mrts.cell.generation import arm_of_urdf, read_urdf
-from mrts.following.tracking import CLEARLY, arm_reach, branches_at_start
+from mrts.following.tracking import CLEARLY, arm_reach, branches_at_start, random_starts
 from mrts.starting.arm import Arm
 
 
@@ -102,6 +102,12 @@ def test_both_branches_reach_and_the_posture_chooses(planar_cell, lift):
     down_up = mrts.follow_object(planar_cell.with_postures({"left": [0.5, 2.1, -2.6]}), lift)
     assert (np.sign(down_up.q[:, 1]) == 1).all()
     assert (np.sign(down_up.q[:, 4]) == 1).all()
+
+
+@pytest.mark.quick
+def test_random_starts_are_inside_limits_beyond_half_a_turn(planar_cell):
+    robot = replace(planar_cell.robots[0], position_lower=np.full(3, 3.5), position_upper=np.full(3, 6.0))
+    assert np.all(np.abs(random_starts(robot, 5)[1:] - 4.75) <= 1.25)
 
 
 @pytest.mark.quick

@@ -206,26 +206,24 @@ def test_a_plan_that_does_not_rest_or_has_no_trajectory_is_refused(lifted, plana
 
 
 class Played:
-    """A simulation that uses 1.25 times what is planned."""
+    """A simulation that keeps limits from the reserve on that is needed."""
 
-    def __init__(self, reserve):
-        self.plan = self
-        self.duration = 1 + reserve
-        self.share = 1.25 * (1 - reserve)
+    def __init__(self, reserve, needed):
+        self.share = (1 - reserve) / (1 - needed)
         self.uses = ((None, self),)
         self.name = "left/fx contact wrench"
         self.passed = (self,) if self.share > 1 else ()
 
 
-@pytest.mark.parametrize(("most", "found"), [(1.0, 0.2), (0.1, None)])
-def test_the_search_ends_at_the_least_that_keeps_all(lifted, monkeypatch, most, found):
+@pytest.mark.parametrize(("needed", "most", "found"), [(0.2, 1.0, 0.2), (0.2, 0.1, None), (0.0, 1.0, 0.0)])
+def test_the_search_ends_at_the_least_that_keeps_all(lifted, monkeypatch, needed, most, found):
     asked = []
 
     def solve(reserve):
         asked.append(reserve)
         return lifted if reserve < most else mrts.scale(lifted.cell.with_mass(1e4), lifted.motion)
 
-    monkeypatch.setattr(simulation, "simulate", lambda *_: Played(asked[-1]))
+    monkeypatch.setattr(simulation, "simulate", lambda *_: Played(asked[-1], needed))
     search = mrts.least_reserve(solve)
     assert asked[0] == 0
     assert len(asked) < 9
@@ -247,11 +245,6 @@ def test_the_figure_of_a_search_has_every_plan_by_whether_it_keeps_all_limits():
     for drawn, places in ((line, [(0, 0.4), (10, 0.5)]), (kept, [(10, 0.5)]), (passed, [(0, 0.4)])):
         assert [*zip(drawn.x, drawn.y, strict=True)] == places
     assert (kept.texts, passed.texts) == (["90.0 %"], ["120.0 %"])
-
-
-def test_what_needs_no_reserve_has_none(lifted, monkeypatch):
-    monkeypatch.setattr(simulation, "simulate", lambda *_: Played(0.5))
-    assert mrts.least_reserve(lambda _: lifted).reserve == 0
 
 
 def test_a_lighter_load_counts_too(lifted):
