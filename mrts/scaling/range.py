@@ -13,7 +13,7 @@ from mrts.base.words import interval_text
 from mrts.limits.rows import RATES, ActiveRow, Side, row_labels, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
+from mrts.program.sample_ranges import POINT_TOLERANCE, SIDES, SampleRanges, first_least
 
 
 @dataclass(frozen=True)
@@ -150,9 +150,12 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
     if high < low <= high * (1 + POINT_TOLERANCE):
         low = high
-    lower = _end(samples, at_low, low, "lower")
-    upper = _end(samples, at_high, high, "upper") if np.isfinite(high) else RangeEnd(high, None, None)
-    return ScalingRange(range_status(low, high), lower, upper, samples)
+    ends = []
+    for side, sample, c2 in zip(SIDES, (at_low, at_high), (low, high), strict=True):
+        rows, load = partial(samples.all_binding, sample, side), samples.load_at(sample, side)
+        named = RangeEnd(c2, sample, float(samples.time[sample]), rows, load)
+        ends.append(named if np.isfinite(c2) else RangeEnd(c2, None, None))
+    return ScalingRange(range_status(low, high), *ends, samples)
 
 
 def range_status(low: float, high: float) -> RangeStatus:
@@ -179,8 +182,3 @@ def common_range(find: Callable[[float], SampleRanges], high: float = np.inf) ->
         if np.any(found.lower > top):
             break
     return intersect(first)
-
-
-def _end(samples: SampleRanges, sample: int, c2: float, side: Side) -> RangeEnd:
-    rows = partial(samples.all_binding, sample, side)
-    return RangeEnd(c2, sample, float(samples.time[sample]), rows, samples.load_at(sample, side))

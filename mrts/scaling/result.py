@@ -255,9 +255,8 @@ class ScalingResult(Result):
 
     @property
     def loads(self) -> tuple[LoadPoint | None, ...]:
-        """Loads that the range must carry, None for the cell's; the corners of a box that was answered as a whole."""
-        study = self.load
-        return (None,) if study is None else study.points or study.box.corners(study.box.varying)
+        """Loads that the range must carry; None for the cell's."""
+        return (None,) if self.load is None else self.load.points
 
     @cached_property
     def reserve(self) -> Reserve | None:

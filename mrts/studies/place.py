@@ -392,14 +392,13 @@ class LayoutSearch:
         return rounded
 
     def _scaled(self, keys: dict[str, Any], values: Array, between: float | None = None) -> PlayedLayout | None:
-        asked = self.study.question
         try:
             cell = self.study.cell_of(keys)
             parted = set(self.machines) - set(cell.machines)
             if parted:
                 rule = "robots '{}' and '{}' are arms of one machine: their bases move together. Let one parameter "
                 raise MotionError(f"{rule}move both.".format(*min(parted)))
-            result = scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=between)
+            result = scale(cell, self.motion, load=self.study.question.load, between=between)
             if result.trajectory is None:
                 raise MotionError(f"{result.status.value}: {result.explanation()}")
         except MrtsError as error:
@@ -443,7 +442,6 @@ class LayoutSearch:
 
         def problems(values: Array) -> list[SampleProblem]:
             cell = self.study.cell_of(self.study.descriptions(values)[0])
-            cell = cell if self.study.question.reserve is None else cell.with_reserve(self.study.question.reserve)
             rows = motion_rows(cell, coordinate(cell, self.motion))
             loads = [None if point is None else point.load for point in result.loads]
             return [build_sample_problem(rows, load=load, samples=near) for load in loads]

@@ -33,7 +33,7 @@ from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, l
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.scaling.loads import mass_grid
-from mrts.scaling.options import Options
+from mrts.scaling.options import Options, limited_cell
 from mrts.studies.parameters import MAX_VARIANTS, Parameter, SampleName, read_parameters, sample_points
 
 
@@ -162,8 +162,8 @@ class Study:
         return files["cell"], files["motion"]
 
     def cell_of(self, keys: dict[str, Any]) -> Cell:
-        """The cell of a variant, by the keys and values of its file."""
-        return Cell.from_description(keys, folder=self.folder).with_limits(*self.limits)
+        """The cell of a variant, by the keys and values of its file, with the reserve that is asked for."""
+        return limited_cell(Cell.from_description(keys, folder=self.folder), self.question.reserve, self.limits)
 
     def motion_of(self, keys: dict[str, Any]) -> ObjectMotion | JointTable:
         """The motion of a variant, likewise."""

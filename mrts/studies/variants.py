@@ -136,7 +136,6 @@ def solved_row(study: Study, point: Array) -> Row:
 
 def _answer(study: Study, keys: dict[str, Any], motion_keys: dict[str, Any]) -> Row:
     cell, motion, question = study.cell_of(keys), study.motion_of(motion_keys), study.question
-    cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
     options = Options(load=question.load, between=question.between).checked(cell)
     found = admissible_range(cell, coordinate(cell, motion, None), options)[0]
     row = range_row(found.range, float(found.motion.object.time[-1]))
@@ -218,7 +217,6 @@ class VariantBatch:
 
     def __init__(self, study: Study, cell: Cell, motion: ObjectMotion) -> None:
         self._study, self._cell, self._motion = study, cell, motion
-        self._reserve = cell.reserve if study.question.reserve is None else study.question.reserve
         m, robots, moved = len(cell.joint_names), study.cell["robots"], study.motion
         still = np.zeros((len(motion.time), m))
         at_rest = CoordinatedMotion(motion, still, still, still)
@@ -370,9 +368,9 @@ class VariantBatch:
     def _limits(self, numbers: Mapping[str, Array]) -> dict[str, Array]:
         """Limits less the reserve: "lower" and "upper" of rows, and of "caps", which bound c² by themselves."""
         sides = {side: numbers[side] for side in ("lower", "upper")}
-        if self._reserve:
+        if self._cell.reserve:
             pairs = zip(*np.broadcast_arrays(*sides.values()), strict=True)
-            shrunk = [replace(self.rows, lower=low, upper=high).shrunk(self._reserve) for low, high in pairs]
+            shrunk = [replace(self.rows, lower=low, upper=high).shrunk(self._cell.reserve) for low, high in pairs]
             sides = {side: np.array([getattr(rows, side) for rows in shrunk]) for side in sides}
         cell, velocity = self._cell, numbers["velocity"]
         if not cell.enforces_velocity_limits:
@@ -383,7 +381,7 @@ class VariantBatch:
         }
         for side, (speeds, of_joints, of_object) in caps.items():
             accelerations = np.tile(np.append(of_joints, of_object), (len(speeds), 1))
-            sides[side] = (1 - self._reserve) * np.column_stack([speeds, accelerations])
+            sides[side] = (1 - cell.reserve) * np.column_stack([speeds, accelerations])
         return sides
 
     def _cap_shares(self, given: Mapping[str, Array], tracked: TrackedVariants) -> Array:
