@@ -155,7 +155,7 @@ def intersect(samples: SampleRanges) -> ScalingRange:
         rows, load = partial(samples.all_binding, sample, side), samples.load_at(sample, side)
         named = RangeEnd(c2, sample, float(samples.time[sample]), rows, load)
         ends.append(named if np.isfinite(c2) else RangeEnd(c2, None, None))
-    return ScalingRange(range_status(low, high), *ends, samples)
+    return ScalingRange(range_status(low, high), ends[0], ends[1], samples)
 
 
 def range_status(low: float, high: float) -> RangeStatus:
