@@ -353,16 +353,12 @@ def with_torques(
 def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
     """What holds the object still at both ends, c² = 0, where a controller needs it and the limits admit it."""
     cell, motion = rows.cell, rows.motion
-    needed = np.array(pushing_ends(motion.dq, motion.ddq))
+    held, places = np.array(pushing_ends(motion.dq, motion.ddq)), np.array([0, motion.samples - 1])
     torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
-    if not np.any(needed):
-        return Holding((False, False), torque, wrench)
-    places = np.array([0, motion.samples - 1])
-    still = rows.at_rest(places)
-    held = needed & (motion_widening(still, np.zeros(2)) <= TORQUE_WIDENING)
     if np.any(held):
-        if not np.all(held):  # the other end has no torques: the one that has them stands for both
-            still = rows.at_rest(places[held][[0, -1]])
+        held &= motion_widening(rows.at_rest(places), np.zeros(2)) <= TORQUE_WIDENING
+    if np.any(held):
+        still = rows.at_rest(places[held][[0, -1]])  # where one end has none, the other stands for both
         found = motion_torques(still, options.solver, 0.0, weights, options.distribute)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     return Holding((bool(held[0]), bool(held[1])), torque, wrench)

@@ -85,10 +85,9 @@ class StudyFolder:
         """Names and types of the columns, with their units."""
         import pyarrow as pa  # noqa: PLC0415 (an extra)
 
-        types = {"int64": pa.int64(), "float64": pa.float64(), "string": pa.string()}
         fields = [
-            pa.field(name, types[column["type"]], metadata={"unit": column["unit"]} if column["unit"] else None)
-            for name, column in self.record["columns"].items()
+            pa.field(name, pa.type_for_alias(of["type"]), metadata={"unit": of["unit"]} if of["unit"] else None)
+            for name, of in self.record["columns"].items()
         ]
         return pa.schema(fields, metadata={DIGEST_KEY: self.digest})
 
