@@ -20,7 +20,7 @@ from mrts.limits.rows import MOST_NAMES
 from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, Points, level
 from mrts.program.range_status import RangeStatus
 from mrts.studies.study_folder import read_study_folder
-from mrts.studies.variants import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE, fastest_first
+from mrts.studies.variants import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -104,7 +104,8 @@ class StudyTable:
     @cached_property
     def ranked(self) -> Index:
         """Rows of the variants that have a duration, the shortest first; of equals, that with the lower number."""
-        return fastest_first(self.rows["variant"].to_numpy(), np.where(self.admitted, self.duration, np.nan))
+        rows, variant = np.flatnonzero(self.admitted & np.isfinite(self.duration)), self.rows["variant"].to_numpy()
+        return rows[np.lexsort((variant[rows], self.duration[rows]))]
 
     def limits(self, row: int) -> list[str]:
         """The limits that bind at c²⁺ of a variant; none where nothing does."""

@@ -8,12 +8,10 @@ from pathlib import Path
 from types import NoneType
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mrts.base.errors import Progress, as_path, check_callable, check_type, require_extra
 from mrts.studies.study import Study, read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder
-from mrts.studies.variants import batch_for, fastest_first
+from mrts.studies.variants import batch_for
 from mrts.studies.workers import check_workers, solved_chunks
 
 if TYPE_CHECKING:
@@ -90,10 +88,9 @@ def solve_study(
 
 def best_variants(folder: StudyFolder, count: int) -> dict[int, float]:
     """The duration [s] of the best variants, the shortest first."""
-    rows = folder.table(["variant", "duration"])
-    variants, durations = np.asarray(rows["variant"], dtype=int), np.asarray(rows["duration"], dtype=np.float64)
-    best = fastest_first(variants, durations)[:count]
-    return dict(zip(variants[best].tolist(), durations[best].tolist(), strict=True))
+    rows = folder.table(["variant", "duration"]).drop_null()
+    best = rows.sort_by([("duration", "ascending"), ("variant", "ascending")]).slice(0, count)
+    return dict(zip(best["variant"].to_pylist(), best["duration"].to_pylist(), strict=True))
 
 
 def chunk_size(study: Study) -> int:

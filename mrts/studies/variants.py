@@ -116,12 +116,6 @@ def _labels(end: RangeEnd) -> str:
     return LIMIT_SEPARATOR.join(dict.fromkeys(row.label for row in end.rows))
 
 
-def fastest_first(variant: NDArray[np.int_], duration: Array) -> NDArray[np.intp]:
-    """Rows of the variants that have a duration, Shape (V,), the shortest first; of equals, the lower number."""
-    rows = np.flatnonzero(np.isfinite(duration))
-    return rows[np.lexsort((variant[rows], duration[rows]))]
-
-
 def solved_row(study: Study, point: Array) -> Row:
     """What is found of a variant, at a point of a study as from `Study.at_hand`, Shape (P,), as `mrts.scale` does."""
     try:

@@ -41,19 +41,14 @@ class Layouts:
         study = mrts.read_study(path)
         return cls(study, sample_motion(MotionDescription(**study.motion)))
 
-    def result(self, values: Array) -> mrts.ScalingResult:
-        """What `mrts.scale` finds of a layout, at the samples alone."""
-        cell = mrts.Cell.from_description(self.study.descriptions(values)[0], folder=self.study.folder)
-        question = self.study.question
-        return mrts.scale(cell, self.motion, load=question.load, reserve=question.reserve, between=None)
-
     def c2(self, values: Array) -> float:
-        """c²⁺ of a layout; minus infinity where it cannot be played."""
+        """c²⁺ of a layout as `mrts.scale` finds it at the samples alone; minus infinity where it cannot be played."""
+        keys, asked = self.study.descriptions(values)[0], self.study.question
         try:
-            found = self.result(values).range
+            cell = mrts.Cell.from_description(keys, folder=self.study.folder)
+            return mrts.scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=None).range.c2_upper
         except mrts.MrtsError:
             return -np.inf
-        return found.upper.c2 if found.status.admits_motion else -np.inf
 
     def slope(self, values: Array) -> Array:
         """What the program of a step says of the change of ln c²⁺, Shape (P,)."""
