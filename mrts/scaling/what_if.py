@@ -3,7 +3,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import degrees, inf
 from typing import Any
 
@@ -104,9 +104,7 @@ class ChangedAnswer:
 
     def to_json(self) -> dict[str, Any]:
         """The entry of a change in the JSON result."""
-        change = self.change
-        named = {"kind": change.kind, "robot": change.robot, "element": change.element}
-        said = {"change": str(change), **named, "step": change.step, "unit": change.unit}
+        said = {"change": str(self.change), **asdict(self.change), "unit": self.change.unit}
         return said | self.after.to_json() | {"matters": self.matters}
 
 
@@ -186,9 +184,8 @@ class WhatIf(InNotebooks):
 
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""
-        steps = self.steps
         return {
-            "steps": {"share": steps.share, "shift": steps.shift, "turn": steps.turn},
+            "steps": asdict(self.steps),
             "before": self.before.to_json(),
             "changes": [one.to_json() for one in self.changes],
             "without_effect": list(self.without_effect),
