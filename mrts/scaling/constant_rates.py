@@ -29,7 +29,7 @@ from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.torque_distribution import TORQUE_WIDENING
-from mrts.scaling.range import RangeEnd, ScalingRange, range_status
+from mrts.scaling.range import RangeEnd, ScalingRange, range_between
 from mrts.scaling.remarks import STILL
 
 RATE_MARGIN = 1e-6
@@ -114,7 +114,7 @@ class RatedFactors:
         while whole.status.admits_motion and whole.lower is not None and whole.upper is not None:
             low, top = whole.lower, self._fastest(whole.lower.c2, whole.upper)
             if top.c2 >= low.c2:
-                return ScalingRange(range_status(low.c2, top.c2), self.slowest(low, top.c2), top, whole.samples)
+                return range_between(self.slowest(low, top.c2), top, whole.samples)
             refused = refused or ScalingRange(RangeStatus.EMPTY, low, top, found.samples)
             if not whole.samples.several:
                 break

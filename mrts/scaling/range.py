@@ -2,7 +2,7 @@
 """The admissible range of c² over the whole motion: the intersection of the ranges of all samples."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -148,21 +148,20 @@ def intersect(samples: SampleRanges) -> ScalingRange:
         return ScalingRange(RangeStatus.INFEASIBLE, None, None, samples)
     at_low, at_high = int(first_least(-samples.lower)), int(first_least(samples.upper))
     low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
-    if high < low <= high * (1 + POINT_TOLERANCE):
-        low = high
     ends = []
     for side, sample, c2 in zip(SIDES, (at_low, at_high), (low, high), strict=True):
         rows, load = partial(samples.all_binding, sample, side), samples.load_at(sample, side)
         named = RangeEnd(c2, sample, float(samples.time[sample]), rows, load)
         ends.append(named if np.isfinite(c2) else RangeEnd(c2, None, None))
-    return ScalingRange(range_status(low, high), ends[0], ends[1], samples)
+    return range_between(ends[0], ends[1], samples)
 
 
-def range_status(low: float, high: float) -> RangeStatus:
-    """The outcome of a range with these ends."""
-    if low > high:
-        return RangeStatus.EMPTY
-    return RangeStatus.UNBOUNDED if np.isinf(high) else RangeStatus.FEASIBLE
+def range_between(lower: RangeEnd, upper: RangeEnd, samples: SampleRanges) -> ScalingRange:
+    """The range between two ends; what rounding turned inside out is a point."""
+    if upper.c2 < lower.c2 <= upper.c2 * (1 + POINT_TOLERANCE):
+        lower = replace(lower, c2=upper.c2)
+    status = RangeStatus.UNBOUNDED if np.isinf(upper.c2) else RangeStatus.FEASIBLE
+    return ScalingRange(RangeStatus.EMPTY if lower.c2 > upper.c2 else status, lower, upper, samples)
 
 
 def common_range(find: Callable[[float], SampleRanges], high: float = np.inf) -> ScalingRange:

@@ -31,9 +31,9 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.program.motion_rows import binds, largest_square, side_share
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
+from mrts.program.sample_ranges import SampleRanges
 from mrts.scaling.options import Options
-from mrts.scaling.range import RangeEnd, ScalingRange, range_status
+from mrts.scaling.range import RangeEnd, ScalingRange, range_between
 from mrts.scaling.scale import admissible_range
 from mrts.studies.parameters import ANSWERS
 from mrts.studies.study import Study, StudyQuestion
@@ -447,12 +447,9 @@ def _infeasible_row(record: np.void, time: Array, rows: list[ActiveRow]) -> Row:
 
 
 def _range_row(record: np.void, time: Array, rows: Sequence[list[ActiveRow]]) -> Row:
-    low, high = record["c2"].tolist()
-    if high < low <= high * (1 + POINT_TOLERANCE):
-        low = high
-    samples = record["sample"].tolist()
+    (low, high), samples = record["c2"].tolist(), record["sample"].tolist()
     lower, upper = (
         RangeEnd(c2, sample, float(time[sample]), tuple(bound)) if limited else RangeEnd(c2, None, None)
         for c2, limited, sample, bound in zip((low, high), (low > 0, np.isfinite(high)), samples, rows, strict=True)
     )
-    return range_row(ScalingRange(range_status(low, high), lower, upper, NO_SAMPLES), float(time[-1]))
+    return range_row(range_between(lower, upper, NO_SAMPLES), float(time[-1]))
