@@ -241,7 +241,7 @@ class VariantBatch:
         self.covers_all = True
         for column, parameter in enumerate(study.parameters):
             for target in parameter.targets:
-                places = self._places(target.keys)
+                places = [*self._places(target.keys)]
                 self.covers_all &= bool(places)
                 self._moves += [(place, column, target.factor, target.offset) for place in places]
         places = [place for place, *_ in self._moves]
@@ -254,54 +254,47 @@ class VariantBatch:
         self._follows_path = not self._varied.isdisjoint({"ends", "duration"})
         self.block = max(1, BLOCK_BYTES // (len(motion.time) * (3 * m + 25 * self._follows_path) * 8))
 
-    def _places(self, keys: Keys) -> list[Place]:
+    def _places(self, keys: Keys) -> Iterator[Place]:
         """Where arrays have a number of the files; nowhere where it moves more than that."""
         match keys:
             case "cell", "gravity", int(axis):
-                return [Place("geometry", (axis,))]
-            case "cell", "object", *of_object:
-                return self._of_object(*of_object)
+                yield Place("geometry", (axis,))
+            case "cell", "object", "mass" if self._study.cell["object"].get("inertia") is not None:  # else it moves too
+                yield Place("load", (0,), least=SMALLEST)
+            case "cell", "object", "inertia", int(axis):
+                yield Place("load", (4 + axis,))
+            case "cell", "object", "velocity", "linear" | "angular" as kind:
+                yield Place("velocity", (-2 if kind == "linear" else -1,), least=SMALLEST)
             case "cell", "robots", int(robot), *of_robot:
-                return self._of_robot(robot, *of_robot)
+                yield from self._of_robot(robot, *of_robot)
             case "motion", "start" | "end" as end, "xyz" | "rpy" as part, int(axis) if self._from_pose_to_pose:
                 most = LARGEST if part == "xyz" else LARGEST_ANGLE
-                return [Place("ends", (ENDS.index(end), PARTS.index(part), axis), 1.0, -most, most)]
+                yield Place("ends", (ENDS.index(end), PARTS.index(part), axis), 1.0, -most, most)
             case "motion", "duration" if self._from_pose_to_pose:
-                return [Place("duration", (), least=SMALLEST)]
-        return []
+                yield Place("duration", (), least=SMALLEST)
 
-    def _of_object(self, *keys: str | int) -> list[Place]:
-        match keys:
-            case ("mass",) if self._study.cell["object"].get("inertia") is not None:  # else its shape has another
-                return [Place("load", (0,), least=SMALLEST)]
-            case "inertia", int(axis):
-                return [Place("load", (4 + axis,))]
-            case "velocity", "linear" | "angular" as kind:
-                return [Place("velocity", (-2 if kind == "linear" else -1,), least=SMALLEST)]
-        return []
-
-    def _of_robot(self, robot: int, *keys: str | int) -> list[Place]:
+    def _of_robot(self, robot: int, *keys: str | int) -> Iterator[Place]:
         cell, frame, angle = self._cell, GRAVITY_SIZE + ROBOT_SIZE * robot, LARGEST_ANGLE
         joints, wrenches = ([*slices.values()][robot].start for slices in (cell.joint_slices, cell.wrench_slices))
         in_tip = any(contact.frame == "tip" for contact in cell.robots[robot].contacts)  # rows that turn with it
         turns = {"base": cell.plane is None, "grasp": cell.plane is None and not in_tip}
         match keys:
             case "posture", int(joint):
-                return [Place("posture", (joints + joint,), 1.0, -angle, angle)]
+                yield Place("posture", (joints + joint,), 1.0, -angle, angle)
             case "base" | "grasp" as name, "xyz", int(axis):
-                return [Place("geometry", (frame + FRAME_SIZE * FRAMES.index(name) + 9 + axis,))]
+                yield Place("geometry", (frame + FRAME_SIZE * FRAMES.index(name) + 9 + axis,))
             case "base" | "grasp" as name, "rpy", int(axis) if turns[name]:
-                return [Place("rpy", (robot, FRAMES.index(name), axis), 1.0, -angle, angle)]
+                yield Place("rpy", (robot, FRAMES.index(name), axis), 1.0, -angle, angle)
             case "torque" | "wrench" as kind, "lower" | "upper" as side, int(place):
-                return self._of_rows(kind, side, place + (joints if kind == "torque" else wrenches))
+                yield from self._of_rows(kind, side, place + (joints if kind == "torque" else wrenches))
             case "torque", int(joint):  # without sides it is both
-                lower, upper = (self._of_rows("torque", side, joints + joint) for side in ("lower", "upper"))
-                return [place._replace(sign=-1.0) for place in lower] + upper
-        return []
+                yield from self._of_rows("torque", "lower", joints + joint, -1.0)
+                yield from self._of_rows("torque", "upper", joints + joint)
 
-    def _of_rows(self, kind: str, side: str, at: int) -> list[Place]:
-        name = self._limited[kind][at]  # a limit on what the cell leaves free is a row more than it has
-        return [Place(side, (self.rows.names.index(name),))] if name in self.rows.names else []
+    def _of_rows(self, kind: str, side: str, at: int, sign: float = 1.0) -> Iterator[Place]:
+        name = self._limited[kind][at]
+        if name in self.rows.names:  # a limit on what the cell leaves free is a row more than it has
+            yield Place(side, (self.rows.names.index(name),), sign)
 
     def solve(self, points: Array, first: int) -> Columns:
         """The rows of variants at points, Shape (V, P), from a first number, as `solve_variants` gives them."""
