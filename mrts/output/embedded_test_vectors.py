@@ -5,8 +5,9 @@ import numpy as np
 
 from mrts.base.embedded_inputs import EmbeddedVector
 from mrts.base.errors import InputError, MotionError
-from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
+from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.cell.cell import Cell
+from mrts.collisions.bodies import tip_at_posture
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.program.load_sharing import LoadSharing
@@ -68,9 +69,8 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
 
 def own_motion(cell: Cell) -> CoordinatedMotion:
     """A short lift against gravity from where the first robot's posture puts the object."""
-    poses, first = cell.functions("kinematics", 1, {"q": cell.posture}), cell.robots[0]
-    T_world_tip = RigidTransform(poses["rotation"][0, :, :3], poses["position"][0].reshape(3, -1)[:, 0])
-    T_world_object = T_world_tip @ first.T_object_tip.inverse()
+    first = cell.robots[0]
+    T_world_object = tip_at_posture(first) @ first.T_object_tip.inverse()
     rpy = rpy_from_rotation(T_world_object.R)
     size = float(np.linalg.norm(cell.gravity))
     up = -cell.gravity / size if size > 0 else np.array([0.0, 1.0, 0.0])

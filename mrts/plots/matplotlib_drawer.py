@@ -46,7 +46,7 @@ def matplotlib_figure(plot: Plot) -> Figure:
     columns = max(map(len, plot.rows))
     width = max(ALONE_WIDTH, COLUMN_WIDTH * columns)
     figure = Figure(layout="constrained")
-    title = [textwrap.fill(line, int(13 * width), subsequent_indent="    ") for line in plot.title.splitlines()]
+    title = [textwrap.fill(line, int(15 * width), subsequent_indent="    ") for line in plot.title.splitlines()]
     figure.suptitle(_plain("\n".join(title)), fontsize="small", x=0.01, ha="left")
     grid = figure.subplots(len(plot.rows), columns, squeeze=False, sharex="col" if plot.shared else False)
     alone, heights = len(plot.rows) == 1 and columns <= 2, []  # noqa: PLR2004 (side by side)

@@ -31,15 +31,8 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
             label = f"fastest without limits of rates, {smooth.bound:.4g} s"
         lines.append(_line(label, way(fastest), [part.along_arc(part.x) for part in fastest], COLOURS[1]))
     if smooth is not None:
-        lines.append(
-            _line(
-                f"{smooth.what}, {found.duration:.4g} s",
-                along,
-                [part.along_arc(part.x) for part in found.pieces],
-                COLOURS[4],
-                width=2.4,
-            )
-        )
+        speeds = [part.along_arc(part.x) for part in found.pieces]
+        lines.append(_line(f"{smooth.what}, {found.duration:.4g} s", along, speeds, COLOURS[4], width=2.4))
     if best.c2 is not None:
         speeds = [np.sqrt(best.c2) * part.piece.speed for part in found.pieces]
         lines.append(_line(f"best constant c, {best.duration:.4g} s", along, speeds, COLOURS[0], dash=1))

@@ -21,29 +21,25 @@ from mrts.plots.plot import (
     time_axis,
     value_ends,
 )
-from mrts.plots.trajectory_plots import COMPONENTS, LimitShares, percent_panel, quantities_panel
+from mrts.plots.trajectory_plots import QUANTITIES, LimitShares, by_robot, by_unit, percent_panel, quantities_panel
 from mrts.scaling.limit_use import all_quantities, limited_rows
 from mrts.simulation.simulate import ReserveSearch, Simulation
 
-KINDS = {"torque": ("torque", ""), **{what: ("wrench", first) for first, what in COMPONENTS.items()}}
-"""What is drawn: the kind of its rows, and how their elements begin."""
-
 
 def simulation_plot(found: Simulation) -> Plot:
-    """What was used of all limits, and errors; torques and wrenches, thin and dashed as planned, a column a robot."""
+    """What was used of all limits, and errors; torques and wrenches, thin and dashed as planned."""
     sides = all_quantities(found.plan), all_quantities(found.played)
-    rows = []
-    for what, (kind, first) in KINDS.items():
-        row = []
-        for robot in found.plan.cell.robots:
-            planned, used = (side.of(kind, robot.name) for side in sides)
-            own = [name.startswith(first) for name in used.names]
-            thin = [
-                Line(x=found.plan.time, y=y, unit=None, color=look(k)["color"], dash=1, width=0.8)
-                for k, y in enumerate(planned.only(own).values.T)
-            ]
-            row.append(quantities_panel(f"{robot.name}: {what}", what, found.played.time, used.only(own), thin))
-        rows.append(row)
+    of_robots = []
+    for robot in found.plan.cell.robots:
+        panels = []
+        for kind in QUANTITIES:
+            for planned, used in zip(*(by_unit(side.of(kind, robot.name)) for side in sides), strict=True):
+                thin = [
+                    Line(x=found.plan.time, y=y, unit=None, color=look(k)["color"], dash=1, width=0.8)
+                    for k, y in enumerate(planned.values.T)
+                ]
+                panels.append(quantities_panel(found.played.time, used, thin))
+        of_robots.append(panels)
     errors = {
         "joints [mrad]": 1e3 * np.max(np.abs(found.joint_error), axis=1),
         "object [mm]": 1e3 * found.object_error,
@@ -52,7 +48,7 @@ def simulation_plot(found: Simulation) -> Plot:
     lines = [Line(x=found.played.time, y=y, label=name, **look(k)) for k, (name, y) in enumerate(errors.items())]
     errors_panel = curves_panel("Errors of tracking", "error [mrad, mm]", lines)
     title = f"{found.plan.cell.name}: {found.sentence()}"
-    return Plot(name="simulation", title=title, rows=[[closed_loop_panel(found), errors_panel], *rows])
+    return Plot(name="simulation", title=title, rows=[[closed_loop_panel(found), errors_panel], *by_robot(of_robots)])
 
 
 def closed_loop_panel(found: Simulation) -> Panel:

@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
@@ -53,8 +54,11 @@ NAMED = 5
 HIGHEST = 160.0
 """Per cent of limits up to which a picture reaches at most."""
 
-COMPONENTS = {"f": "force", "n": "moment"}
-"""How components of a wrench begin, and what they are."""
+QUANTITIES = {
+    "torque": {"N m": "joint torque", "N": "joint force"},
+    "wrench": {"N": "contact force", "N m": "contact moment"},
+}
+"""What is drawn of a robot, by kind and unit: an axis each."""
 
 
 @dataclass(frozen=True)
@@ -135,17 +139,10 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
     """
     time, of_robots = result.done.time, []
     for robot in result.cell.robots:
-        torques, wrenches = (limited_quantities(result, kind, robot.name) for kind in ("torque", "wrench"))
-        parts = {what: wrenches.only([name[0] == first for name in wrenches.names])
-                 for first, what in COMPONENTS.items()}  # fmt: skip
-        of_robots.append(
-            [
-                quantities_panel(f"{robot.name}: joint torques", "torque", time, torques),
-                *(quantities_panel(f"{robot.name}: contact {what}", what, time, part) for what, part in parts.items()),
-            ]
-        )
+        parts = (part for kind in QUANTITIES for part in by_unit(limited_quantities(result, kind, robot.name)))
+        of_robots.append([quantities_panel(time, part) for part in parts])
     title = f"{title or _title(result)} (thin lines: limits)"
-    return Plot(name="torques_and_wrenches", title=title, rows=_by_robot(of_robots), clock="played")
+    return Plot(name="torques_and_wrenches", title=title, rows=by_robot(of_robots), clock="played")
 
 
 def limits_plot(result: ScalingResult, title: str = "") -> Plot:
@@ -171,7 +168,7 @@ def power_plot(result: ScalingResult, title: str = "") -> Plot:
     if len(lines) > 1:
         total = accumulated_energy(done.time, done.power)
         lines.append(Line(x=done.time, y=total, label=f"all: {done.energy:.4g} J", unit="J", color="#000", width=2.2))
-    rows = [*_by_robot(powers), [curves_panel("Energy that the motors have given", "energy [J]", lines)]]
+    rows = [*by_robot(powers), [curves_panel("Energy that the motors have given", "energy [J]", lines)]]
     return Plot(name="power_and_energy", title=title or _title(result), rows=rows, clock="played")
 
 
@@ -179,11 +176,11 @@ def _title(result: ScalingResult) -> str:
     return f"{result.cell.name}: {result.done.duration:.4g} s"
 
 
-def _by_robot(panels: Sequence[Sequence[Panel]]) -> list[list[Panel]]:
+def by_robot(panels: Sequence[Sequence[Panel]]) -> list[list[Panel]]:
     """Panels of every robot: a column a robot, or a row where there are many."""
     if len(panels) > SIDE_BY_SIDE:
         return [list(row) for row in panels]
-    return [list(row) for row in zip(*panels, strict=True)]
+    return [[panel for panel in row if panel is not None] for row in zip_longest(*panels)]
 
 
 def percent_panel(of: LimitShares, time: Array) -> Panel:
@@ -199,14 +196,20 @@ def percent_panel(of: LimitShares, time: Array) -> Panel:
     return Panel(title=of.title, x=x, y=Axis(label="of the limit [%]", ends=(0.0, top)), items=items)
 
 
-def quantities_panel(title: str, what: str, time: Array, drawn: LimitedQuantities, below: Sequence[Line] = ()) -> Panel:
-    """Quantities along time, Shape (N,) [s], with their limits, over other lines."""
-    units, solid = dict.fromkeys(drawn.units), {"dash": 0} if below else {}
+def by_unit(found: LimitedQuantities) -> list[LimitedQuantities]:
+    """Those of each unit."""
+    return [found.only([one == unit for one in found.units]) for unit in dict.fromkeys(found.units)]
+
+
+def quantities_panel(time: Array, drawn: LimitedQuantities, below: Sequence[Line] = ()) -> Panel:
+    """Quantities of one robot and unit along time, Shape (N,) [s], with their limits, over other lines."""
+    first, solid = drawn.rows[0], {"dash": 0} if below else {}
+    what = QUANTITIES[first.kind][first.unit]
     lines = [
         Line(
-            x=time, y=drawn.values[:, k], label=name if len(units) == 1 else f"{name} [{unit}]", unit=unit,
+            x=time, y=drawn.values[:, k], label=name, unit=first.unit,
             lower=drawn.lower[:, k], upper=drawn.upper[:, k], **look(k) | solid,
         )
-        for k, (name, unit) in enumerate(zip(drawn.names, drawn.units, strict=True))
+        for k, name in enumerate(drawn.names)
     ]  # fmt: skip
-    return curves_panel(title, f"{what} [{', '.join(units)}]", lines, below)
+    return curves_panel(f"{first.robot}: {what}", f"{what} [{first.unit}]", lines, below)

@@ -12,7 +12,7 @@ from mrts.plots.plot import shortened
 from mrts.plots.plotly_drawer import FONT, numbers, plot_text
 from mrts.scaling.result import ScalingResult
 from mrts.scene.cell_view import look_at
-from mrts.scene.held_body import held_body, object_edges, shape_surface
+from mrts.scene.held_body import held_body, outlines, shape_surface
 from mrts.scene.scene import FORCE, OBJECT, SEE_THROUGH, SURROUNDINGS, Rgb, Scene, arm_hex, suited_pace
 
 MOST_FRAMES = 160
@@ -52,10 +52,11 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
     frames = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
     scene = whole.at(frames)
     arms, position, rotation = scene.lines, scene.position, scene.rotation
-    vertices, triangles = held_body(cell, MOST_TRIANGLES)
+    vertices, triangles = body = held_body(cell, MOST_TRIANGLES)
     box = position[:, None] + np.einsum("nij,kj->nki", rotation, vertices)
+    drawn = position[:, None, None] + np.einsum("nij,eaj->neai", rotation, outlines(body))
     holds = [np.stack([position, arm[:, -1]], axis=1) for arm in arms]
-    segments = [box[:, edge] for edge in object_edges(vertices, triangles)] + holds
+    segments = [*np.moveaxis(drawn, 1, 0), *holds]
     edges = np.concatenate([np.insert(segment, 2, np.nan, axis=1) for segment in segments], axis=1)
     solid = np.concatenate([*arms, box], axis=1).reshape(-1, 3)
     arrows, largest = _arrows(scene, LONGEST_ARROW * float(np.max(np.ptp(solid, axis=0)))), scene.strongest[0]

@@ -117,15 +117,8 @@ def shape_surface(cell: Cell, shape: BodyShape, most: int = MOST_DRAWN) -> Surfa
 
 
 def outlines(surface: Surface) -> Array:
-    """Lines along its edges, Shape (E, 2, 3) [m]; of a ball, which has none, along all of its triangles."""
-    vertices, faces = surface
-    edges = object_edges(vertices, faces)
-    lines: Array = vertices[edges if len(edges) else faces[:, :2]]
-    return lines
-
-
-def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Sides of triangles at which a surface bends, or ends, as pairs of vertices, Shape (E, 2)."""
+    """Lines where it bends or ends, Shape (E, 2, 3) [m]; of a ball, which has none, along all of its triangles."""
+    vertices, triangles = surface
     corners = vertices[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -135,5 +128,5 @@ def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.in
     total = np.zeros((len(found), 3))
     np.add.at(total, side.ravel(), np.repeat(normals, 3, axis=0))
     flat = (count == 2) & (np.sum(total**2, axis=1) >= 2 + 2 * np.cos(FLAT))  # noqa: PLR2004 (the normals of both sides)
-    bent: NDArray[np.int64] = found[~flat]
-    return bent
+    lines: Array = vertices[triangles[:, :2] if np.all(flat) else found[~flat]]
+    return lines

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, require_extra
 from mrts.plots.card import Card
 from mrts.scaling.limit_use import LimitedQuantities
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -99,25 +99,17 @@ def require_renderer() -> Any:
     """
     if sys.platform == "linux" and "mujoco" not in sys.modules:  # it looks once, when it is imported
         os.environ.setdefault("MUJOCO_GL", "egl")
+    require_extra("pictures and films", "film", "mujoco")
     try:
         import mujoco  # noqa: PLC0415 (an extra, and a quarter of a second)
 
         mujoco.GLContext(8, 8).free()
-    except ImportError as error:
-        if error.name == "mujoco":
-            raise InputError("mujoco", "pictures and films need it: pip install 'mrts[film]'.") from None
-        raise _no_renderer(error) from None
     except Exception as error:  # noqa: BLE001 (each way to draw raises its own)
-        raise _no_renderer(error) from None
+        rule = "pictures and films are drawn by libEGL, which lacks or does not work: on Debian, apt install libegl1 "
+        rule += "libgl1-mesa-dri; or apt install libosmesa6 and set MUJOCO_GL=osmesa; set it before mujoco is imported "
+        rule += f"({type(error).__name__}: {error})."
+        raise InputError("MUJOCO_GL", rule, value=os.environ.get("MUJOCO_GL", "")) from None
     return mujoco
-
-
-def _no_renderer(error: Exception) -> InputError:
-    way = os.environ.get("MUJOCO_GL", "")
-    rule = "pictures and films are drawn by libEGL, which lacks or does not work: on Debian, apt install libegl1 "
-    rule += "libgl1-mesa-dri; or apt install libosmesa6 and set MUJOCO_GL=osmesa; set it before mujoco is imported "
-    rule += f"({type(error).__name__}: {error})."
-    return InputError("MUJOCO_GL", rule, value=way)
 
 
 class SceneRenderer:

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Controls of the panel that change choices, the time, or how the scene looks; needs the extra 'view'."""
+"""Controls of the panel that change choices; needs the extra 'view'."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from math import radians
 from typing import Any
 
@@ -13,7 +12,6 @@ import viser
 from mrts.cell.cell_change import Changed, limit_places
 from mrts.viewer.choices import Choices, Place, changed_keys, free_axes, places
 from mrts.viewer.panel import keys_html
-from mrts.viewer.scene import ViewerScene
 from mrts.viewer.workbench import Workbench
 
 DECIMALS = 2
@@ -214,22 +212,6 @@ class ChangeControls:
             return now.with_offset(self._place, offset)
 
         self._bind(slider, read, apply)
-
-
-def add_theme_switch(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> None:
-    """Add a switch to a dark page."""
-
-    def darken(*, on: bool) -> None:
-        configure_theme(gui, dark=on)
-        scene.darken(on=on)
-
-    dark = gui.add_checkbox("dark", initial_value=False)
-    dark.on_update(lambda event: later(partial(darken, on=event.target.value)))
-
-
-def configure_theme(gui: viser.GuiApi, *, dark: bool = False) -> None:
-    """The panel's width and colours, without viser's own buttons."""
-    gui.configure_theme(control_width="large", dark_mode=dark, show_logo=False, show_share_button=False)
 
 
 def set_slider(

@@ -29,7 +29,7 @@ class Playback:
     """
 
     def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
-        self.duration, self.plays, self._toggled = duration, False, False
+        self.duration, self.plays = duration, False
         self._share, self._shown = start, 0.0
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
@@ -45,15 +45,15 @@ class Playback:
 
     def toggle(self) -> None:
         """Play, or stop playing."""
-        self.plays, self._toggled = not self.plays, True
+        self.plays = not self.plays
         self._play.label = "Pause" if self.plays else "Play"
         self._play.icon = viser.Icon.PLAYER_PAUSE if self.plays else viser.Icon.PLAYER_PLAY
 
     def follow(self, elapsed: float) -> bool:
         """Take over what was changed since the last call, some time ago [s], and play on; whether that is shown."""
-        changed, self._toggled = self._toggled, False
-        if self._time.value != self._shown:
-            self._shown, changed = self._time.value, True
+        changed = self._time.value != self._shown
+        if changed:
+            self._shown = self._time.value
             self._share = min(self._shown / self.duration, 1.0)  # which was rounded
         if self.plays:
             self._share = self.knob.after(self.time, elapsed * PACE_NAMED[self._pace.value]) / self.duration

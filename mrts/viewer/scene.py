@@ -193,4 +193,3 @@ class ViewerScene:
             wxyz=wxyz(view.level),
             position=view.floor,
         )
-        self.darken(on=False)

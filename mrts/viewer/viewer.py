@@ -17,13 +17,7 @@ import viser
 from mrts.base.errors import MrtsError
 from mrts.scene.arm_meshes import Urdfs, Warn
 from mrts.viewer.choices import Choices
-from mrts.viewer.controls import (
-    ChangeControls,
-    Later,
-    add_theme_switch,
-    configure_theme,
-    set_slider,
-)
+from mrts.viewer.controls import ChangeControls, Later, set_slider
 from mrts.viewer.panel import (
     PANEL,
     STYLE,
@@ -67,7 +61,6 @@ class Viewer:
         self._todo: SimpleQueue[Any] = SimpleQueue()
         later, gui = self._todo.put, server.gui
         self._scene = ViewerScene(server, answer.shown.scene, urdfs, warn)
-        configure_theme(gui)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(PANEL)
         gui.add_html(STYLE)
@@ -96,7 +89,9 @@ class Viewer:
         if self.bench is not None:
             with tabs.add_tab("Change"):
                 self._changes = ChangeControls(gui, self.bench, later)
-        add_theme_switch(gui, self._scene, later)
+        self._dark = gui.add_checkbox("dark", initial_value=False)
+        self._dark.on_update(lambda _: later(self._show_theme))
+        self._show_theme()
 
     @property
     def state(self) -> PlayerState | None:
@@ -153,6 +148,12 @@ class Viewer:
     def _follow_changes(self) -> None:
         if self._changes is not None:
             self._changes.follow()
+
+    def _show_theme(self) -> None:
+        """A dark page or a light one, without viser's own buttons."""
+        dark = self._dark.value
+        self.server.gui.configure_theme(control_width="large", dark_mode=dark, show_logo=False, show_share_button=False)
+        self._scene.darken(on=dark)
 
     def _show_verdict(self) -> None:
         computing = outdated = False
