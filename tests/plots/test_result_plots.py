@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gantries import along_x, gantries
 from legible_figures import check_legible, lines_of
 from motor_recordings import exact_recording, random_motors, recording
 from shown_results import KINDS, result_of, with_all_rates
@@ -74,8 +75,17 @@ def test_curves_are_the_numbers_of_the_result(result):
     assert np.unique(force["fx"].limits).tolist() == [-2, 2]
     assert of_panel(energy, Line)[f"all: {done.energy:.4g} J"].y[-1] == pytest.approx(done.energy)
     assert [row[1].y.label for row in (torques, forces, moments, powers)] == [
-        "torque [N m]", "force [N]", "moment [N m]", "power [W]"
+        "joint torque [N m]", "contact force [N]", "contact moment [N m]", "power [W]"
     ]  # fmt: skip
+
+
+def test_joints_that_slide_and_that_turn_have_an_axis_each(tmp_path):
+    plot = trajectory_plot(mrts.scale(gantries(tmp_path), along_x(11)))
+    drawn = {row[0].y.label: [*of_panel(row[0], Line)] for row in plot.rows}
+    assert drawn == {
+        "joint force [N]": ["slide_x", "slide_y"], "joint torque [N m]": ["turn"],
+        "contact force [N]": ["fx", "fy"], "contact moment [N m]": ["nz"],
+    }  # fmt: skip
 
 
 @pytest.mark.quick

@@ -213,7 +213,7 @@ def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spat
             np.testing.assert_allclose(np.linalg.det(blended(R, place)), 1, atol=BLENDED)
     viewer.playback.toggle()
     viewer.step(0.4 * FRAME)
-    viewer.playback.toggle()
+    viewer._todo.put(viewer.playback.toggle)  # noqa: SLF001 (as its button does)
     viewer.step(FRAME)
     np.testing.assert_array_equal(drawn(spatial, "/carried").position, course.position[viewer.sample])
     np.testing.assert_allclose(turned(drawn(spatial, "/carried")), course.rotation[viewer.sample], atol=1e-12)
