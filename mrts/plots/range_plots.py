@@ -46,6 +46,8 @@ GIVEN_TIME = "time of the given motion [s]"
 ABOVE_THE_RANGE = 4.0
 """c²⁺(t) near rest can be thousands of times the range over the motion; it is followed up to this many times."""
 
+SIDES: dict[Side, str] = {"upper": "c²⁺", "lower": "c²⁻"}
+
 LaneKind = Literal["upper", "lower", "conflict"]
 
 LANE_WORDS: dict[LaneKind, str] = {
@@ -87,21 +89,17 @@ def _range_panel(found: ScalingRange) -> Panel:
         ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
         items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
                           label=f"range {found.text()}"))  # fmt: skip
-    sides: tuple[tuple[Side, str, Array], ...] = (
-        ("upper", "c²⁺(t)", samples.upper),
-        ("lower", "c²⁻(t)", samples.lower),
-    )
-    for side, label, values in sides:
+    for side, name in SIDES.items():
+        values, end, color = getattr(samples, side), getattr(found, side), END_COLOURS[side]
         texts = ["\n".join(row.label for row in found.binding(sample, side)) for sample in range(len(values))]
         dash = int(side == "lower")
-        items.append(Line(x=samples.time, y=values, label=label, color=END_COLOURS[side], dash=dash, texts=texts))
-    for name, side, end in (("c²⁻", "lower", found.lower), ("c²⁺", "upper", found.upper)):
+        items.append(Line(x=samples.time, y=values, label=f"{name}(t)", color=color, dash=dash, texts=texts))
         if end is None or end.time is None or (side == "lower" and end.c2 <= 0):
             continue
         if found.status is RangeStatus.EMPTY:
-            items.append(level(end.c2, x, color=END_COLOURS[side], dash=3))
+            items.append(level(end.c2, x, color=color, dash=3))
         at, c2, text = np.array([end.time]), np.array([end.c2]), f"{name} = {end.c2:.4g}"
-        items.append(Points(x=at, y=c2, color=END_COLOURS[side], texts=[text], below=side == "upper"))
+        items.append(Points(x=at, y=c2, color=color, texts=[text], below=side == "upper"))
     if samples.conflicts:
         worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
         items.append(upright(worst.time, y, label="worst conflict", color=CONFLICT, dash=3))
@@ -151,15 +149,12 @@ def binding_lanes(found: ScalingRange) -> list[Lane]:
     for conflict in samples.conflicts:
         conflicts[conflict.sample] = conflict.rows
     lanes = _lanes("conflict", conflicts, ())
-    lanes += _lanes("upper", *_rows(found, "upper"))
-    lower = _lanes("lower", *_rows(found, "lower"))
-    return lanes + ([] if {lane.label for lane in lower} <= {str(STANDSTILL)} else lower)
-
-
-def _rows(found: ScalingRange, side: Side) -> tuple[list[tuple[ActiveRow, ...]], Sequence[ActiveRow]]:
-    end = found.lower if side == "lower" else found.upper
-    rows = [found.binding(sample, side) for sample in range(len(found.samples.time))]
-    return rows, () if end is None else end.rows
+    for side in SIDES:
+        end = getattr(found, side)
+        rows = [found.binding(sample, side) for sample in range(len(samples.time))]
+        own = _lanes(side, rows, () if end is None else end.rows)
+        lanes += [] if {lane.label for lane in own} <= {str(STANDSTILL)} else own
+    return lanes
 
 
 def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequence[ActiveRow]) -> list[Lane]:

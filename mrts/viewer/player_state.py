@@ -114,7 +114,6 @@ class PlayerState:
     result: ScalingResult
     trajectory: ScaledTrajectory
     speeds: Speeds
-    profile: Profile = "constant"
     timing: RetimingResult | None = None
     refusal: str = ""
 
@@ -130,7 +129,7 @@ class PlayerState:
         Raises:
             SolverError: If no solver answers.
         """
-        return replace(self, trajectory=_trajectory(self.result, self.timing, self.speeds.c2(c)))
+        return replace(self, trajectory=_trajectory(self.result, self.speeds.c2(c)))
 
     @cached_property
     def excess(self) -> Array:
@@ -205,8 +204,8 @@ def play(
             timing = found
             found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
     speeds = OF_TIMINGS if timing is not None else offered_speeds(result.range)
-    trajectory = _trajectory(result, timing, speeds.c2(speeds.start))
-    return PlayerState(result, trajectory, speeds, profile, timing, refusal)
+    trajectory = _trajectory(result, speeds.c2(speeds.start))
+    return PlayerState(result, trajectory, speeds, timing, refusal)
 
 
 def _admits(result: ScalingResult, c2: float) -> bool:
@@ -216,10 +215,10 @@ def _admits(result: ScalingResult, c2: float) -> bool:
     return conflict_at(result, c2) is None
 
 
-def _trajectory(result: ScalingResult, timing: RetimingResult | None, c2: float) -> ScaledTrajectory:
-    cell, motion, options = result.cell, result.motion, result.options
-    if timing is not None and c2 == 1:
-        return result.done
+def _trajectory(result: ScalingResult, c2: float) -> ScaledTrajectory:
+    cell, motion, options, done = result.cell, result.motion, result.options, result.trajectory
+    if done is not None and done.c2 == c2:
+        return done
     if not _admits(result, c2):
         torque, wrench = widened_torques(cell, motion, options, c2)
     else:

@@ -152,19 +152,16 @@ class GuardedServer(viser.ViserServer):
     def checked(self, message: str | bytes) -> bytes | None:
         """A message as viser may read it: values in the range of their control; None for what no control can send."""
         try:
-            allowed = self._allowed(msgspec.msgpack.decode(message)) if isinstance(message, bytes) else None
+            read = msgspec.msgpack.decode(message) if isinstance(message, bytes) else None
         except (msgspec.MsgspecError, RecursionError, ValueError):
             return None
-        return None if allowed is None else msgspec.msgpack.encode(allowed)
-
-    def _allowed(self, read: Any) -> dict[str, Any] | None:
-        """What of a message a control or a camera can have sent; None for any other."""
         match read:
             case {"type": "GuiUpdateMessage" as kind, "uuid": str(uuid), "updates": {"value": value}}:
                 possible = _possible(self.controls.get(uuid), value)
-                return None if possible is None else {"type": kind, "uuid": uuid, "updates": {"value": possible}}
+                if possible is not None:
+                    return msgspec.msgpack.encode({"type": kind, "uuid": uuid, "updates": {"value": possible}})
             case {"type": "ViewerCameraMessage"}:
-                return CAMERA
+                return msgspec.msgpack.encode(CAMERA)
         return None
 
 
