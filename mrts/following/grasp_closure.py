@@ -34,7 +34,6 @@ from mrts.following.tracking import (
     tracking_failure,
 )
 from mrts.kernel.tracking import OUT_OF_REACH, SINGULAR, closure_sizes
-from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
 WITHIN = Rule(gt=0, le=0.1)
@@ -116,7 +115,7 @@ def slip(
     tips: list[TipMotion],
     shares: tuple[float, ...],
     rest: float,
-    source: Source | None = None,
+    source: str | None = None,
 ) -> str | None:
     """Where the tips' velocities or accelerations do not fit the object's, as a sentence; None if they fit.
 

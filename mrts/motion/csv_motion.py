@@ -2,10 +2,10 @@
 """CSV tables of motion: the object's pose, or the joints' positions, over time."""
 
 import csv
-import re
 from array import array
 from collections.abc import Iterator
-from itertools import islice
+from io import StringIO
+from itertools import chain, islice
 from pathlib import Path
 from typing import Literal
 
@@ -21,8 +21,7 @@ from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.rounded_samples import derivative
 
 POSE_COLUMNS = ("px", "py", "pz", "qx", "qy", "qz", "qw")
-VELOCITY_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz")
-RATE_COLUMNS = (*VELOCITY_COLUMNS, "ax", "ay", "az", "alphax", "alphay", "alphaz")
+RATE_COLUMNS = ("vx", "vy", "vz", "wx", "wy", "wz"), ("ax", "ay", "az", "alphax", "alphay", "alphaz")
 
 MAX_SAMPLES = 1_000_000
 MAX_COLUMNS = 1000
@@ -62,20 +61,16 @@ def read_table(
 
 def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
     time = row_times(path, columns)
-    rates = tuple(name for name in RATE_COLUMNS if name in columns)
-    missing = [name for name in POSE_COLUMNS if name not in columns]
+    given = [number for number, part in enumerate(RATE_COLUMNS, 1) if not columns.keys().isdisjoint(part)]
+    rates = RATE_COLUMNS[: max(given, default=0)]  # accelerations come with velocities
+    wanted = (*POSE_COLUMNS, *chain(*rates))
+    missing = [name for name in wanted if name not in columns]
     if missing:
         raise InputError(path, f"these columns are needed too: {', '.join(missing)}.")
-    if rates and rates not in (VELOCITY_COLUMNS, RATE_COLUMNS):
-        lacking = ", ".join(name for name in RATE_COLUMNS if name not in columns)
-        raise InputError(
-            path, f"give all velocities and accelerations, all velocities, or none; these are missing: {lacking}."
-        )
-    unknown = set(columns) - {"t", *POSE_COLUMNS, *RATE_COLUMNS}
+    unknown = columns.keys() - {"t", *wanted}
     if unknown:
-        raise InputError(
-            path, f"unknown column '{min(unknown)}'. Columns are t, {', '.join((*POSE_COLUMNS, *RATE_COLUMNS))}."
-        )
+        every = ", ".join((*POSE_COLUMNS, *chain(*RATE_COLUMNS)))
+        raise InputError(path, f"unknown column '{min(unknown)}'. Columns are t, {every}.")
     pose = np.column_stack([columns[name] for name in POSE_COLUMNS])
     lengths = np.linalg.norm(pose[:, 3:], axis=1)
     row = int(np.argmax(np.abs(lengths - 1)))
@@ -90,8 +85,8 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
         if not rates:
             at = time if samples is None else np.linspace(0.0, time[-1], samples)
             return spline_motion(time, pose[:, :3], pose[:, 3:], at)
-        given = np.column_stack([columns[name] for name in rates])
-        twist, acceleration = given[:, :6], given[:, 6:] if rates == RATE_COLUMNS else derivative(time, given)
+        twist, *more = (np.column_stack([columns[name] for name in part]) for part in rates)
+        acceleration = more[0] if more else derivative(time, twist)
         return ObjectMotion(time, pose[:, :3], rotations_from_quaternions(pose[:, 3:]), twist, acceleration)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
@@ -167,8 +162,7 @@ def read_columns(path: Path, least: int = 2) -> dict[str, Array]:
 
 
 def _rows(path: Path, text: str) -> Iterator[list[str]]:
-    lines = (line.group() for line in re.finditer(r"[^\n]+\n?", text))
-    for number, row in enumerate(csv.reader(lines)):
+    for number, row in enumerate(csv.reader(StringIO(text))):
         if number > MAX_SAMPLES:
             raise InputError(path, f"a motion has at most {MAX_SAMPLES} samples.")
         if "".join(row).strip():

@@ -4,7 +4,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -36,9 +35,6 @@ FEWEST_SMOOTHED = 21
 LARGEST_SMOOTHING = 0.1
 """[rad, m]; further from its rows it is another motion."""
 
-Source = Literal["positions", "velocities"]
-"""What the derivatives of a joint that were not given were found from."""
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class JointCourse:
@@ -55,8 +51,8 @@ class JointCourse:
     closed: bool = False
 
     @property
-    def source(self) -> Source:
-        """What the derivatives that were not given were found from."""
+    def source(self) -> str:
+        """What the derivatives that were not given were found from: "positions" or "velocities"."""
         return "positions" if self.rate is None else "velocities"
 
     def __call__(self, time: Array) -> tuple[Array, Array, Array]:

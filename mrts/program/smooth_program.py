@@ -2,6 +2,7 @@
 """A path with rows whose values and rates of change are limited: what is solved for a smooth timing."""
 
 from dataclasses import dataclass, field, replace
+from itertools import compress
 from typing import Any, Self
 
 import numpy as np
@@ -9,8 +10,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 
-OF_NODES = ("square", "rate", "root", "offset", "free", "lower", "upper")
-"""Attributes with rows of each node."""
+OF_ROWS = ("square", "rate", "root", "offset", "lower", "upper", "change", "weight", "sizes")
+"""Attributes whose last axis are the rows."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,24 +100,16 @@ class SmoothProgram:
 
     def of_free(self) -> Self:
         """The same program with the rows alone that F moves: x and u keep the others and limits of jerk, or not."""
-        nothing = np.zeros((self.nodes, 0))
-        no_jerk = {
-            "q1": nothing,
-            "q2": nothing,
-            "q3": np.zeros((self.nodes - 1, 2, 0)),
-            "jerk": np.zeros(0),
-            "joints": (),
-        }
-        moved = np.any(self.free, axis=(0, 2))
-        return self.only(moved, **no_jerk, gram=self.gram[:, :0], bound=self.bound[:, :0])
+        nothing, q3 = np.zeros((self.nodes, 0)), np.zeros((self.nodes - 1, 2, 0))
+        no_jerk: dict[str, Any] = {"q1": nothing, "q2": nothing, "q3": q3, "jerk": np.zeros(0), "joints": ()}
+        return self.only(np.any(self.free, axis=(0, 2)), **no_jerk, gram=self.gram[:, :0], bound=self.bound[:, :0])
 
     def only(self, chosen: NDArray[np.bool_], **changes: Any) -> Self:
         """The same program with some of the rows, and other changes."""
-        rows, cones = np.flatnonzero(chosen), self.names[len(chosen) :]
-        names = (name for name, kept in zip(self.names, chosen.tolist(), strict=False) if kept)
-        some: dict[str, Any] = {name: getattr(self, name)[:, rows] for name in OF_NODES}
-        some |= {name: getattr(self, name)[..., rows] for name in ("change", "weight", "sizes")}
-        return replace(self, **some, names=(*names, *cones), **changes)
+        rows = np.flatnonzero(chosen)
+        some: dict[str, Any] = {name: getattr(self, name)[..., rows] for name in OF_ROWS}
+        names = *compress(self.names, chosen.tolist()), *self.names[len(chosen) :]  # those of the cones
+        return replace(self, **some, free=self.free[:, rows], names=names, **changes)
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r)."""
@@ -139,10 +132,10 @@ class SmoothProgram:
 
     def jerks(self, x: Array, u: Array) -> Array:
         """q⃛ at the start and at the end of every segment, Shape (n - 1, 2, J)."""
-        slope = (np.diff(u) / self.step)[:, None, None]
-        at_ends = [np.stack([of[:-1], of[1:]], axis=1) for of in (x, u, self.q1, self.q2)]
-        x_, u_, q1, q2 = (of[..., None] if of.ndim == 2 else of for of in at_ends)  # noqa: PLR2004 (segment, end)
-        jerks: Array = (q1 * slope + 3 * q2 * u_ + self.q3 * x_) * np.sqrt(x_)
+        segment = np.arange(len(self.step))
+        ends = np.stack([segment, segment + 1], axis=1)
+        slope, u, x = (np.diff(u) / self.step)[:, None, None], u[ends][..., None], x[ends][..., None]
+        jerks: Array = (self.q1[ends] * slope + 3 * self.q2[ends] * u + self.q3 * x) * np.sqrt(x)
         return jerks
 
     def effort(self, x: Array, u: Array, free: Array) -> float:

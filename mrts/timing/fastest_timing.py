@@ -4,6 +4,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -213,7 +214,7 @@ class _Search:
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None
     ) -> Conflict | None:
-        time = self.motion.object.time[self.piece.first :]
+        time = float(self.motion.object.time[self.piece.first + sample])
         worst: Conflict | None = None
         for point, problem in zip(self.points, self._problems(), strict=True):
             if reach is None:
@@ -257,26 +258,22 @@ def _of_timing(timed: RetimingResult) -> SpeedAnswer:
     return SpeedAnswer(status="feasible", duration=timed.duration, limits=limits)
 
 
-def sample_conflict(problem: SampleProblem, time: Array, sample: int, x: float | None = None) -> Conflict | None:
-    """The limits that no wrenches, u and x keep at one sample; None if some do. x may be given."""
+def sample_conflict(problem: SampleProblem, time: float, sample: int, x: float | None = None) -> Conflict | None:
+    """The limits that no wrenches, u and x keep at one sample, at a time [s]; None if some do. x may be given."""
     if problem.speed is not None:
         tried = _tried(problem, sample) if x is None else np.array([x])
-        here = _at_speeds(problem, sample, tried)
-        return _least(
-            find_conflicts(here, np.full(len(tried), time[sample]), np.arange(len(tried)), DEFAULT_SOLVER), sample
-        )
+        return _least(_conflicts(_at_speeds(problem, sample, tried), time))
     here = problem.at(np.array([sample]))
     if x is not None:
         column = np.zeros(problem.unknowns)
         column[-1] = 1.0
         here = _with_law(here, RowName("speed", element="here"), column, x, x)
-    found = find_conflicts(here, time[[sample]], np.array([0]), DEFAULT_SOLVER)[0]
-    return None if found is None else replace(found, sample=sample)
+    return _conflicts(here, time)[0]
 
 
 def segment_conflict(
     problem: SampleProblem,
-    time: Array,
+    time: float,
     sample: int,
     step: float,
     reach: tuple[float, float],
@@ -303,8 +300,12 @@ def segment_conflict(
         both = _with_law(both, RowName("speed", element="here"), column, x, x)
     column[-2] = 2 * step
     both = _with_law(both, RowName("speed", element="at the next sample"), column, *reach)
-    found = find_conflicts(both, time[[sample]], np.array([0]), DEFAULT_SOLVER)[0]
-    return None if found is None else replace(found, sample=sample)
+    return _conflicts(both, time)[0]
+
+
+def _conflicts(problem: SampleProblem, time: float) -> list[Conflict | None]:
+    count = problem.samples
+    return find_conflicts(problem, np.full(count, time), np.arange(count), DEFAULT_SOLVER)
 
 
 def _tried(problem: SampleProblem, sample: int) -> Array:
@@ -325,15 +326,13 @@ def _at_speeds(problem: SampleProblem, sample: int, x: Array) -> SampleProblem:
     return replace(here, A=A, lower=lower, upper=upper, speed=None)
 
 
-def _least(found: list[Conflict | None], sample: int) -> Conflict | None:
+def _least(found: list[Conflict | None]) -> Conflict | None:
     conflicts = [one for one in found if one is not None]
-    if len(conflicts) < len(found):
-        return None
-    return replace(min(conflicts, key=lambda one: one.widening), sample=sample)
+    return None if len(conflicts) < len(found) else min(conflicts, key=attrgetter("widening"))
 
 
 def _at_pairs(
-    problem: SampleProblem, time: Array, sample: int, step: float, reach: tuple[float, float], x: float | None
+    problem: SampleProblem, time: float, sample: int, step: float, reach: tuple[float, float], x: float | None
 ) -> Conflict | None:
     """`segment_conflict` where rows have terms in √x: with x given at both ends, u is known, and each is by itself."""
     starts = _tried(problem, sample) if x is None else np.array([x])
@@ -344,10 +343,9 @@ def _at_pairs(
         rows = _at_speeds(problem, sample + place, pairs[:, place])
         given, A = rows.rate * u[:, None], rows.A.copy()
         A[:, :, -2] = 0.0
-        rows = replace(rows, A=A, lower=rows.lower - given, upper=rows.upper - given)
-        ends.append(find_conflicts(rows, np.full(len(u), time[sample]), np.arange(len(u)), DEFAULT_SOLVER))
-    worse = [max(filter(None, pair), key=lambda one: one.widening, default=None) for pair in zip(*ends, strict=True)]
-    return _least(worse, sample)
+        ends.append(_conflicts(replace(rows, A=A, lower=rows.lower - given, upper=rows.upper - given), time))
+    worse = (max(filter(None, pair), key=attrgetter("widening"), default=None) for pair in zip(*ends, strict=True))
+    return _least([*worse])
 
 
 def _with_law(problem: SampleProblem, name: RowName, column: Array, lower: float, upper: float) -> SampleProblem:

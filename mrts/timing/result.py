@@ -38,13 +38,17 @@ BINDING = 1e-6
 """A limit binds where the motion could be no faster by more than this share of c²."""
 
 
+ONLY_AT_SAMPLES = " at samples only"
+"""Of a profile whose limits hold at the samples, and less well between them."""
+
+
 class RetimingStatus(Enum):
     """Outcome of retiming."""
 
     OPTIMAL = "optimal"
-    AT_SAMPLES = "optimal at samples only"
+    AT_SAMPLES = f"optimal{ONLY_AT_SAMPLES}"
     LOCALLY_OPTIMAL = "locally optimal"
-    LOCALLY_AT_SAMPLES = "locally optimal at samples only"
+    LOCALLY_AT_SAMPLES = f"locally optimal{ONLY_AT_SAMPLES}"
     RATES_TOO_SMALL = "rates too small"
     TOO_SHORT = "duration too short"
     INFEASIBLE = "infeasible"
@@ -59,20 +63,12 @@ class RetimingStatus(Enum):
     @property
     def admits_motion(self) -> bool:
         """Whether there is a profile."""
-        return self in ADMITTING
+        return self.value.removesuffix(ONLY_AT_SAMPLES) in {"optimal", "locally optimal"}
 
     @property
     def at_samples(self) -> "RetimingStatus":
         """The same where limits hold at the samples only."""
-        smooth = self is RetimingStatus.LOCALLY_OPTIMAL
-        return RetimingStatus.LOCALLY_AT_SAMPLES if smooth else RetimingStatus.AT_SAMPLES
-
-
-ADMITTING = {
-    *(RetimingStatus.OPTIMAL, RetimingStatus.AT_SAMPLES),
-    *(RetimingStatus.LOCALLY_OPTIMAL, RetimingStatus.LOCALLY_AT_SAMPLES),
-}
-"""Outcomes with a profile."""
+        return RetimingStatus(f"{self.value}{ONLY_AT_SAMPLES}")
 
 
 @dataclass(frozen=True)

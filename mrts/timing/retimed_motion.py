@@ -208,13 +208,12 @@ def path_places(
     """
     weights = AT_PLACES if places is PLACES else polynomial_weights(places)
     along = (path.object.time, path.q, path.dq, path.ddq, weights, places, WHOLE_WAY)
-    given = [np.ascontiguousarray(array) for array in along]
-    asked = [np.ascontiguousarray(array) for array in (*speeds, cell.geometry)]
+    *given, x, slopes, geometry = map(np.ascontiguousarray, (*along, *speeds, cell.geometry))
     count, of = len(places) * len(segments), np.ascontiguousarray(segments, dtype=np.int64)
     found = [np.empty((count, *shape)) for shape in [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]]
     components = np.array(cell.wrench_rows, dtype=np.int32)
     joint_path = JOINT_PATH(*map(address, given), len(places))
-    library.opened.mrts_path_places(count, joint_path, *asked, of, components, *found)
+    library.opened.mrts_path_places(count, joint_path, x, slopes, geometry, of, components, *found)
     found[5] = found[5].transpose(0, 2, 1)  # by columns, as generated functions want them
     return tuple(found)
 

@@ -62,7 +62,7 @@ TABLE_MISTAKES = {
         lambda text: text.replace("\n", ",0\n").replace(",0\n", ",extra\n", 1),
         ["unknown column 'extra'"],
     ),
-    "half of the rates": (lambda text: text.replace("alphaz", "alphazz", 1), ["missing: alphaz"]),
+    "half of the rates": (lambda text: text.replace("alphaz", "alphazz", 1), ["columns are needed too: alphaz"]),
     "a word": (lambda text: text.replace("\n3,", "\nthree,", 1), ["row 1, column t", "'three'", "finite number"]),
     "short row": (lambda text: text + "4,5\n", ["row 102", "2 values for 20 columns"]),
     "time back": (lambda text: text + text.splitlines()[1] + "\n", ["row 102, column t", "later than the row before"]),

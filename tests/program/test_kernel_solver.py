@@ -8,7 +8,7 @@ from conic_timing import ConicSolver
 from smooth_paths import smooth_path
 
 from mrts.program.path_solver import KernelSolver
-from mrts.program.smooth_program import OF_NODES, Goal
+from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import cost
 
 KINDS = {
@@ -137,7 +137,10 @@ def with_middles(program):
         finer[1::2] = (values[:-1] + values[1:]) / 2
         return finer
 
-    nodes = {name: of_nodes(getattr(program, name)) for name in (*OF_NODES, "q1", "q2", "gram", "bound")}
+    nodes = {
+        name: of_nodes(getattr(program, name))
+        for name in ("square", "rate", "root", "offset", "free", "lower", "upper", "q1", "q2", "gram", "bound")
+    }
     return replace(program, step=np.repeat(program.step / 2, 2), q3=np.repeat(program.q3, 2, axis=0), **nodes)
 
 
