@@ -6,6 +6,7 @@ from typing import Any
 
 from click import argument, option
 
+from mrts.base.atomic_file import write_text_atomically
 from mrts.commands import options
 from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, warn, working
 from mrts.commands.options import Named, Written
@@ -41,7 +42,7 @@ def run(cell: Path, recording: Path, output: Path, plot: Path | None = None, **g
     if found.empty:
         warn(f"there is no parameter that is known of all joints of an arm: {output} not written")
     else:
-        outputs.write(output, found.write_yaml)
+        outputs.write(output, lambda path: write_text_atomically(path, found.to_yaml()))
     if plot is not None:
         from mrts.plots import motor_plot, write_plots
 

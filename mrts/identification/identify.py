@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply, freeze
-from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError, Remark, as_path, check_type, is_number, printable
+from mrts.base.errors import InputError, Remark, check_type, is_number, printable
 from mrts.base.version import __version__
 from mrts.base.words import first_names
 from mrts.base.yaml_text import yaml_text
@@ -126,18 +125,6 @@ class MotorIdentification:
     def __repr__(self) -> str:
         return f"<MotorIdentification of {self.cell}: {', '.join(arm.robot.name for arm in self.arms)}>"
 
-    def arm(self, robot: str) -> ArmMotors:
-        """What was found of one arm.
-
-        Raises:
-            InputError: If it was not recorded.
-        """
-        for arm in self.arms:
-            if arm.robot.name == robot:
-                return arm
-        known = ", ".join(arm.robot.name for arm in self.arms)
-        raise InputError("robot", f"is not in the recording; there are {known}.", value=robot)
-
     @property
     def empty(self) -> bool:
         """Whether no parameter is identified of all joints of an arm, so that nothing can be written."""
@@ -162,14 +149,6 @@ class MotorIdentification:
         for arm in self.arms:
             lines += [f"  - name: {arm.robot.name}", *_block(arm)]
         return "\n".join(lines) + "\n"
-
-    def write_yaml(self, path: Path | str) -> None:
-        """Write `to_yaml` to a file, whole or not at all.
-
-        Raises:
-            InputError: If the file cannot be written.
-        """
-        write_text_atomically(as_path("path", path), self.to_yaml())
 
 
 def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: float | None = None) -> MotorIdentification:

@@ -124,6 +124,10 @@ class Result(InNotebooks, JsonOutput):
         """All limits by falling share that is used, those that set the speed first."""
         return limits_table(self.uses, self.setting_rows())
 
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """What is made of each limited quantity."""
+        yield self.limits_table()
+
     def summary(self) -> str:
         """The outcome in one or two sentences, and a line for each warning."""
         return "\n".join([self.sentence(), *map(str, self.warnings)])
@@ -198,10 +202,6 @@ class ScalingResult(Result):
         done = self.trajectory
         chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
         return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """What is made of each limited quantity."""
-        yield self.limits_table()
 
     @property
     def done(self) -> ScaledTrajectory:

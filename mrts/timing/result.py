@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The outcome of retiming: the profile, its trajectory and what limits it, or why there is none."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import Remark, printable
-from mrts.base.notebook import NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
@@ -166,18 +165,6 @@ class RetimingResult(Result):
 
     def __repr__(self) -> str:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Durations, and what limits the speed for how long."""
-        best, given = self.factor.duration, float(self.motion.object.time[-1])
-        timings = (("timing", self.duration), ("best constant factor", best), ("as given", given))
-        rows = [(name, "none" if time is None else f"{time:.4g} s") for name, time in timings]
-        if self.saving is not None:
-            rows.append(("saved", f"{100 * self.saving:.3g} %"))
-        yield NotebookTable(("", "duration"), rows)
-        if self.pieces:
-            shares = [(name, f"{100 * share:.3g} %") for name, share in self.limits]
-            yield NotebookTable(("what limits the speed", "of the duration"), shares)
 
     def part_along(self, piece: PathPiece, motion: CoordinatedMotion) -> tuple[int, NDArray[np.intp]] | None:
         """Which of the pieces was this one before samples were added to the motion, and where they are in it now.

@@ -61,7 +61,7 @@ def claimed(cell, robot, motors, runs):
     """Relative errors of the parameters of all runs, and whether the interval holds the truth, Shape (runs, 3, n)."""
     errors, held = [], []
     for time, q, effort in runs:
-        arm = mrts.identify(cell, recording(FILE, names(robot), time, q, effort)).arm(robot.name)
+        arm = mrts.identify(cell, recording(FILE, names(robot), time, q, effort)).arms[0]
         off = np.array([arm.value[kind] - getattr(motors, kind) for kind in KINDS])
         errors.append(off / [getattr(motors, kind) for kind in KINDS])
         held.append(np.abs(off) <= [arm.half_width[kind] for kind in KINDS])

@@ -165,7 +165,7 @@ def found(planar_cell):
 
 @pytest.mark.quick
 def test_friction_and_residual_are_those_of_the_result(found):
-    arm = found.arm("left")
+    arm = found.arms[0]
     rows = motor_plot(arm).rows
     assert [len(row) for row in rows] == [3, 3, 3]
     dots, line = rows[0][1].items
