@@ -152,7 +152,7 @@ def swapped(columns, one, other):
     return {names.get(name, name): values for name, values in columns.items()}
 
 
-JOINT_MISTAKES = {
+MISTAKES = {
     "degrees a second": lambda columns: scaled(columns, "dq.", 180 / np.pi),
     "degrees": lambda columns: scaled(columns, "q.", 180 / np.pi),
     "sign of velocities": lambda columns: scaled(columns, "dq.left", -1),
@@ -164,35 +164,25 @@ JOINT_MISTAKES = {
     "one arm late": lambda columns: {
         name: np.roll(values, 10) if "left" in name else values for name, values in columns.items()
     },
+    "object: millimetres a second": lambda columns: scaled(columns, "v", 1000),
+    "object: degrees a second": lambda columns: scaled(columns, "w", 180 / np.pi),
+    "object: axes swapped": lambda columns: swapped(columns, "vy", "vz"),
+    "object: sign": lambda columns: scaled(columns, "vy", -1),
+    "object: sign of accelerations": lambda columns: scaled(columns, "ay", -1),
+    "object: milliseconds": lambda columns: scaled(columns, "t", 1000),
+    "object: accelerations too large by half": lambda columns: scaled(columns, "a", 1.5),
 }
 
 
-@pytest.mark.parametrize("mistake", JOINT_MISTAKES)
+@pytest.mark.parametrize("mistake", MISTAKES)
 @pytest.mark.parametrize(("samples", "form"), [(101, ".12g"), (11, ".5g")])
-def test_wrong_joint_tables_are_refused(tmp_path, dual_ur5, exact, mistake, samples, form):
+def test_wrong_tables_are_refused(tmp_path, dual_ur5, exact, mistake, samples, form):
     """At any number of digits and rows."""
-    columns = JOINT_MISTAKES[mistake](columns_of(dual_ur5, exact["turn", samples][0]))
+    motion = exact["turn", samples][0]
+    of_object = mistake.startswith("object")
+    columns = object_columns(motion.object, rates=True) if of_object else columns_of(dual_ur5, motion)
     with pytest.raises(mrts.MrtsError, match=r"do not lead|do not close|do not fit|position limit"):
-        read(dual_ur5, write_table(tmp_path / "joints.csv", columns, form))
-
-
-OBJECT_MISTAKES = {
-    "millimetres a second": lambda columns: scaled(columns, "v", 1000),
-    "degrees a second": lambda columns: scaled(columns, "w", 180 / np.pi),
-    "axes swapped": lambda columns: swapped(columns, "vy", "vz"),
-    "sign": lambda columns: scaled(columns, "vy", -1),
-    "sign of accelerations": lambda columns: scaled(columns, "ay", -1),
-    "milliseconds": lambda columns: scaled(columns, "t", 1000),
-    "accelerations too large by half": lambda columns: scaled(columns, "a", 1.5),
-}
-
-
-@pytest.mark.parametrize("mistake", OBJECT_MISTAKES)
-@pytest.mark.parametrize(("samples", "form"), [(101, ".12g"), (11, ".5g")])
-def test_wrong_object_tables_are_refused(tmp_path, exact, mistake, samples, form):
-    columns = OBJECT_MISTAKES[mistake](object_columns(exact["turn", samples][0].object, rates=True))
-    with pytest.raises(mrts.InputError, match="do not lead"):
-        mrts.load_motion(write_table(tmp_path / "object.csv", columns, form))
+        read(dual_ur5, write_table(tmp_path / "motion.csv", MISTAKES[mistake](columns), form))
 
 
 SMALL_MISTAKES = {

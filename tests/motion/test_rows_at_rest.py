@@ -10,7 +10,7 @@ import mrts
 from mrts.following.coordinate import coordinate
 from mrts.limits import limit_rows
 from mrts.motion.rows_at_rest import HOLDING_STEP, moving_rows, pushing_ends
-from mrts.output.trajectory_table import played_rows, trajectory_csv
+from mrts.output.trajectory_table import played_rows
 
 STATICS = 1e-9
 
@@ -65,20 +65,6 @@ def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell
         np.testing.assert_allclose(again.trajectory.torque, found.retimed.trajectory.torque, atol=1e-3)
         np.testing.assert_allclose(again.trajectory.holding.torque, found.retimed.trajectory.holding.torque, atol=1e-6)
         assert mrts.retime(planar_cell, table, between=None).duration == pytest.approx(found.duration, rel=1e-3)
-
-
-@pytest.mark.parametrize("profile", ["sinusoid", "cubic"])
-@pytest.mark.parametrize("kept", [("q",), ("q", "dq")])
-def test_tables_without_accelerations_leave_them_out_too(kept, profile, planar_cell, tmp_path):
-    """A spline through a wait of a millisecond overshoots: c² would fall by up to 14 %."""
-    result = mrts.scale(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, profile))
-    rows = [line.split(",") for line in trajectory_csv(result).splitlines()]
-    columns = [place for place, name in enumerate(rows[0]) if name.partition(".")[0] in {"t", *kept}]
-    table = tmp_path / "plan.csv"
-    table.write_text("\n".join(",".join(row[place] for place in columns) for row in rows))
-    again = mrts.scale(planar_cell, mrts.load_motion(table))
-    assert again.motion.samples == 101
-    assert again.range.upper.c2 == pytest.approx(1, rel=2e-3)
 
 
 def test_only_rows_at_rest_beside_an_acceleration_are_left_out():
