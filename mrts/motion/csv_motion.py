@@ -207,10 +207,7 @@ def row_times(path: Path, columns: dict[str, Array]) -> Array:
     time = columns["t"]
     steps = np.diff(time)
     if np.min(steps, initial=np.inf) < SHORTEST_STEP:
-        late = np.min(steps) > 0
-        row = int(np.argmin(steps) if late else np.argmax(steps <= 0)) + 2
-        rule = (
-            f"is less than {SHORTEST_STEP:g} s after the row before." if late else "must be later than the row before."
-        )
+        row = int(np.argmax(steps < SHORTEST_STEP)) + 2
+        rule = f"must be later than the row before, by {SHORTEST_STEP:g} s at least."
         raise InputError(path, rule, key=f"row {row}, column t", value=time[row - 1])
     return np.asarray(time - time[0], dtype=np.float64)

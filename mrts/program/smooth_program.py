@@ -117,12 +117,6 @@ class SmoothProgram:
         values: Array = moved + np.einsum("nrf,nf->nr", self.free, free)
         return values
 
-    def beyond_cones(self, x: Array, u: Array) -> Array:
-        """By what every cone is passed, Shape (n, c); infinitely little at nodes without it."""
-        z = np.column_stack([u, x, np.ones(len(x))])
-        square = np.einsum("ni,ncij,nj->nc", z, np.broadcast_to(self.gram, (len(x), *self.gram.shape[1:])), z)
-        return np.asarray(np.sqrt(np.maximum(square, 0.0)) - np.sum(self.bound * z[:, None], axis=2))
-
     def times(self, x: Array) -> Array:
         """Δt of every segment, Shape (n - 1,) [s]; infinity where both ends stand still."""
         speed = np.sqrt(x)
@@ -142,36 +136,36 @@ class SmoothProgram:
         """Σ_k ω_k Σ_j weight v² / √x_k, ∫ τᵀWτ dt."""
         return float(np.sum(self.spacing / np.sqrt(x) * (self.values(x, u, free) ** 2 @ self.weight)))
 
+    def beyond(self, x: Array, u: Array, free: Array) -> tuple[Array, Array, Array]:
+        """By what share of a limit each is passed, below 0 where it is kept.
+
+        Returns:
+            Of rows and of cones at the nodes, Shape (n, r + c), infinitely little at nodes without a cone; of changes
+            on the segments, Shape (n - 1, r), and of jerks, Shape (n - 1, J).
+        """
+        values, z = self.values(x, u, free), np.column_stack([u, x, np.ones(len(x))])
+        square = np.einsum("ni,ncij,nj->nc", z, np.broadcast_to(self.gram, (len(x), *self.gram.shape[1:])), z)
+        cones = np.sqrt(np.maximum(square, 0.0)) - np.sum(self.bound * z[:, None], axis=2)
+        rows = np.concatenate([np.maximum(values - self.upper, self.lower - values), cones], axis=1)
+        changes = np.abs(np.diff(values, axis=0)) / (self.change * self.times(x)[:, None]) - 1
+        return rows, changes, np.max(np.abs(self.jerks(x, u)), axis=1) / self.jerk - 1
+
     def binding(self, x: Array, u: Array, free: Array, near: float) -> list[set[str]]:
         """Names of what is within a share `near` of its limit at an end of every segment or on it."""
-        values, times = self.values(x, u, free), self.times(x)[:, None]
-        at = (values >= self.upper - near) | (values <= self.lower + near)
-        at = np.concatenate([at, self.beyond_cones(x, u) >= -near], axis=1)
-        changing = np.abs(np.diff(values, axis=0)) >= (1 - near) * self.change * times
-        jerking = np.max(np.abs(self.jerks(x, u)), axis=1) >= (1 - near) * self.jerk
-        kinds = (
+        at, changing, jerking = (passed >= -near for passed in self.beyond(x, u, free))
+        found: list[set[str]] = [set() for _ in self.step]
+        for binds, what, names in (
             (at[:-1] | at[1:], "", self.names),
             (changing, "rate of ", self.names),
             (jerking, "jerk of ", self.joints),
-        )
-        found: list[set[str]] = [set() for _ in self.step]
-        for binds, what, names in kinds:
+        ):
             for segment, place in np.argwhere(binds).tolist():
                 found[segment].add(what + names[place])
         return found
 
     def excess(self, x: Array, u: Array, free: Array) -> float:
         """The most by which a row, a change or a jerk passes its limit, as a share of it; <= 0 if all are kept."""
-        values, times = self.values(x, u, free), self.times(x)[:, None]
-        limited = np.isfinite(self.change)
-        parts = [
-            values - self.upper,
-            self.lower - values,
-            self.beyond_cones(x, u),
-            np.abs(np.diff(values[:, limited], axis=0)) / (self.change[limited] * times) - 1,
-            np.abs(self.jerks(x, u)) / self.jerk - 1,
-        ]
-        return max(float(np.max(part, initial=-1.0)) for part in parts)
+        return max(float(np.max(passed, initial=-1.0)) for passed in self.beyond(x, u, free))
 
     def keeps(self, profile: "SmoothProfile", tolerance: float) -> bool:
         """Whether a profile moves and passes no limit by more than a share of it."""

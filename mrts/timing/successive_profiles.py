@@ -223,10 +223,8 @@ def _reaches(cells: Sequence[SpeedRegions], step: Array) -> list[list[_Reach]]:
     """At every sample the x from which the end is reached, the fastest cells first."""
     last, fastest_first = len(step), [*enumerate(cells)][::-1]
     reaches: list[list[_Reach]] = [[] for _ in range(last + 1)]
-    for number, cell in fastest_first:
-        low, high = float(cell.lower[last]), float(cell.upper[last])
-        if low <= high and not any(one.low <= low and high <= one.high for one in reaches[last]):
-            reaches[last].append(_Reach(low, high, number, 0))
+    at_end = (_Reach(float(cell.lower[last]), float(cell.upper[last]), number, 0) for number, cell in fastest_first)
+    reaches[last] = _covering([one for one in at_end if one.low <= one.high])
     for i in range(last - 1, -1, -1):
         for number, cell in fastest_first:
             found = []
