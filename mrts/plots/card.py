@@ -51,7 +51,7 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
     given, done, end = float(result.motion.object.time[-1]), shown.trajectory, shown.range.upper
     parts = [f"{given / done.duration:.3g} × as fast", f"{done.duration:.4g} s (given {given:.4g} s)"]
     if timing is not None:
-        parts = [f"{done.duration:.4g} s"] if timing.untimed else parts
+        parts = [f"{done.duration:.4g} s"] if timing.given.untimed else parts
         before = "before it made room " if timing.made_room else ""
         parts += [f"{before}limited by {name}, {100 * share:.0f} % of the time" for name, share in timing.limits[:1]]
     elif not shown.origin and end is not None and end.time is not None:

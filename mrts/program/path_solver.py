@@ -13,7 +13,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY, bind, interruptible, structure
 from mrts.kernel.c_text import SMOOTH, smooth_source
 from mrts.kernel.compiler import compiled_library
-from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
+from mrts.program.smooth_program import LEAST_EFFORT, Goal, SmoothProfile, SmoothProgram
 
 DURATIONS = 100.0
 """Weight of the share by which limits of rates are passed, against the duration of the profile that is started from."""
@@ -80,7 +80,7 @@ class KernelSolver:
         if program.free.shape[2] == 0:
             return np.zeros((program.nodes, 0))
         timed = _start(program, x, u)
-        solved, *_ = self._solve(program, timed, x, Goal(time=0.0, effort=1.0), timed=True)
+        solved, *_ = self._solve(program, timed, x, LEAST_EFFORT, timed=True)
         return timed.free if solved and program.excess(timed.x, timed.u, timed.free) <= KEPT else None
 
     def least_rates(self, program: SmoothProgram, x: Array) -> tuple[float, Array, Array] | None:

@@ -201,6 +201,10 @@ class Goal:
     room: float = 0.0
 
 
+LEAST_EFFORT = Goal(time=0.0, effort=1.0)
+"""Of the torques at a given timing, and of a timing within a duration."""
+
+
 @dataclass(frozen=True)
 class SmoothProfile:
     """x, u and F at n nodes.

@@ -290,11 +290,6 @@ class RetimingResult(Result):
 
         return timing_question(self)
 
-    @property
-    def untimed(self) -> bool:
-        """Whether a path without times was given, whose own time says nothing."""
-        return self.given.untimed
-
     def sentence(self) -> str:
         """The outcome alone."""
         kept = kept_text(self.cell.reserve)
@@ -302,9 +297,9 @@ class RetimingResult(Result):
             return printable(f"{kept}{self.status.value}: {self.explanation}")
         given, best = float(self.motion.object.time[-1]), self.factor
         what = "fastest timing" if self.smooth is None else self.smooth.what
-        compared = " along a path without times" if self.untimed else f", the given one {given:.4g} s"
+        compared = " along a path without times" if self.given.untimed else f", the given one {given:.4g} s"
         text = f"{kept}the {what} takes {self.duration:.4g} s{compared}"
-        if self.saving is not None and not self.untimed:
+        if self.saving is not None and not self.given.untimed:
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
             text += f"{best.c2:.4g}"

@@ -21,7 +21,7 @@ from mrts.program.between_samples import BETWEEN
 from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
-from mrts.program.smooth_program import Goal
+from mrts.program.smooth_program import LEAST_EFFORT, Goal
 from mrts.scaling.options import Options, limited_cell
 from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.result import Remarks, ScalingResult
@@ -170,4 +170,4 @@ def _least_energy(rates: RateLimits | None, duration: float) -> Goal:
         raise InputError("least_energy_in", "needs limits of rates: give rates too.", value=duration)
     if not is_number(duration, 0, LARGEST_NUMBER) or duration == 0:
         raise InputError("least_energy_in", "must be a duration > 0 [s].", value=duration)
-    return Goal(time=0.0, effort=1.0, longest=float(duration))
+    return replace(LEAST_EFFORT, longest=float(duration))

@@ -125,7 +125,7 @@ def smooth_timing(
         torque_weights(bare.options.weights, bare.cell),
         given_sizes(bare.cell, bare.motion) if bare.options.distribute == "reserve" else None,
         KernelSolver(),
-        [int(np.argmax([load[0] for load in bare.loads]))],
+        [int(np.argmax(np.array(bare.loads)[:, 0]))],
         progress,
     )
     nodes = smooth_nodes(bare.cell, unrated.motion, bare.end_speeds)
