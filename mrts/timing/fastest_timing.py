@@ -23,10 +23,12 @@ from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion
 from mrts.timing.fastest_profile import (
     Obstacle,
+    SpeedProfile,
     SpeedRegions,
     fastest_profile,
     intersect_regions,
     rising_profile,
+    segment_times,
     speed_regions,
 )
 from mrts.timing.path_pieces import PathError, PathPiece, path_pieces
@@ -102,10 +104,8 @@ class _Search:
     @cached_property
     def ends(self) -> tuple[float, float]:
         """σ̇² at both ends."""
-        start, end = (
-            0.0 if rests else (speed * float(self.piece.given_rate[place])) ** 2
-            for rests, speed, place in zip(self.piece.rests, self.asked.end_speeds, (0, -1), strict=True)
-        )
+        given = np.array(self.asked.end_speeds) * self.piece.given_rate[[0, -1]]
+        start, end = np.where(self.piece.rests, 0.0, given**2).tolist()
         return start, end
 
     @cached_property
@@ -115,13 +115,9 @@ class _Search:
 
     def run(self) -> TimedPiece | _Reason:
         """The fastest profile, or the outcome without one."""
-        step = self.piece.step
         if self.rows.has_speed_terms:
-            steps = successive_profiles([*self._problems()], step, self.ends)
-            if isinstance(steps, Obstacle):
-                return self._explained(steps)
-            last = fastest_piece(self.piece, steps[-1])
-            return self._unusual(last, steps[-1].regions.bound) or last
+            steps = successive_profiles([*self._problems()], self.piece.step, self.ends)
+            return self._outcome(steps if isinstance(steps, Obstacle) else steps[-1])
         regions = self._regions()
         for sample in regions.undecided:
             conflict = self._conflict(sample)
@@ -131,15 +127,7 @@ class _Search:
                     "together. This is a defect of mrts or of extremely scaled data: please report cell and motion."
                 )
             return RetimingStatus.INFEASIBLE, f"{conflict}.", conflict
-        found = fastest_profile(step, regions, self.ends)
-        if isinstance(found, Obstacle):
-            return self._explained(found)
-        timed = fastest_piece(self.piece, found)
-        unusual = self._unusual(timed, regions.bound)
-        if unusual is not None:
-            return unusual
-        faster = rising_profile(found, step, self.ends)
-        return timed if faster is found else fastest_piece(self.piece, faster)
+        return self._outcome(fastest_profile(self.piece.step, regions, self.ends))
 
     def _problems(self, samples: NDArray[np.intp] | None = None) -> Iterator[SampleProblem]:
         """The rows of some samples, or all, for each load."""
@@ -160,16 +148,19 @@ class _Search:
         more = [speed_regions(one, length, self.ends, regions.bound) for one in self._problems(new)]
         return regions.with_samples(new, intersect_regions(more))
 
-    def _unusual(self, timed: TimedPiece, bound: float) -> _Reason | None:
-        fastest = int(np.argmax(timed.x))
-        if timed.x[fastest] >= UNBOUNDED_SHARE * bound:
+    def _outcome(self, found: SpeedProfile | Obstacle) -> TimedPiece | _Reason:
+        if isinstance(found, Obstacle):
+            return self._explained(found)
+        fastest = int(np.argmax(found.x))
+        if found.x[fastest] >= UNBOUNDED_SHARE * found.regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return RetimingStatus.UNBOUNDED, why, None
         with np.errstate(divide="ignore"):
-            times = timed.segment_times
+            times = segment_times(self.piece.step, found.x, found.rise)
         stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
         if not np.any(stuck):
-            return None
+            rises = not self.rows.has_speed_terms
+            return fastest_piece(self.piece, rising_profile(found, self.piece.step, self.ends) if rises else found)
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
         upper = best_factor(self.asked.cell, self.asked.given, self.asked.options).range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."

@@ -40,6 +40,8 @@ MOST_TURNS = 60
 """Bisections that find σ of an arc length: more than a double has digits."""
 
 
+WAIT = "stands still", "a wait is no part of a path. Cut it out"
+
 STRIDE = len(PLACES) + 1
 """Samples from node to node of a motion that has places between its nodes."""
 
@@ -111,21 +113,15 @@ def path_pieces(cell: Cell, motion: CoordinatedMotion) -> list[PathPiece]:
     if np.all(rest):
         raise PathError("neither the object nor a joint moves: the path has no length.", "zero length")
     for wait in np.flatnonzero(rest[1:] & rest[:-1])[:1].tolist():
-        raise _waiting(motion, wait)
+        raise _stationary(motion, wait, *WAIT)
     cuts = [0, *(np.flatnonzero(rest[1:-1]) + 1).tolist(), motion.samples - 1]
     return [_piece(cell, motion, (first, last), speed, rest) for first, last in pairwise(cuts)]
 
 
-def _waiting(motion: CoordinatedMotion, segment: int) -> PathError:
-    return PathError(
-        f"the motion stands still {_on_segment(motion, segment)}: a wait is no part of a path. Cut it out, or retime "
-        "what is before and after it by themselves."
-    )
-
-
-def _on_segment(motion: CoordinatedMotion, segment: int) -> str:
+def _stationary(motion: CoordinatedMotion, segment: int, what: str, cure: str) -> PathError:
     start, end = motion.object.time[segment : segment + 2].tolist()
-    return f"from t = {start:.6g} to {end:.6g} s"
+    where = f"from t = {start:.6g} to {end:.6g} s"
+    return PathError(f"the motion {what} {where}: {cure}, or retime what is before and after it by themselves.")
 
 
 def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> CoordinatedMotion:
@@ -144,7 +140,7 @@ def _piece(
     if not np.any(moves):
         moves = speed > REST * fastest
     if not np.any(moves):
-        raise _waiting(motion, first)
+        raise _stationary(motion, first, *WAIT)
     growth = row_products(dq, ddq) / q.shape[1] / np.where(speed > 0, speed, 1.0)
     for place, sign in ((0, 1.0), (-1, -1.0)):
         if rest[part][place]:
@@ -175,11 +171,8 @@ def _piece(
     s = np.concatenate([[0.0], np.cumsum(step)])
     back = (row_products(direction[1:], direction[:-1]) <= 0) | (step <= 0)
     if np.any(back):
-        where = _on_segment(motion, first + int(np.argmax(back)))
-        raise PathError(
-            f"the motion turns back on itself {where}, so it stops between two samples. Give a sample at the turning "
-            "point, or retime what is before and after it by themselves."
-        )
+        cure = "it stops between two samples. Give a sample at the turning point"
+        raise _stationary(motion, first + int(np.argmax(back)), "turns back on itself", cure)
     if not (np.all(np.diff(s) > 0) and np.all(np.isfinite(np.column_stack([s, bend, change])))):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)

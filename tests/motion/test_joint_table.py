@@ -107,14 +107,8 @@ def test_smoothing_that_cannot_be_is_refused(recording, tmp_path):
 
 
 @pytest.mark.quick
-def test_the_command_line_takes_both(waypoints, recording, tmp_path):
-    way = write_table(tmp_path / "way.csv", waypoints)
-    cell = UR5 / "cell.yaml"
-    assert mrts_command("scale", cell, way, "-q").returncode == 2
-    timed = mrts_command("scale", cell, way, "--profile", "optimal")
-    assert timed.returncode == 0
-    assert "given" not in timed.stdout.splitlines()[0]
-    noisy = write_table(tmp_path / "noisy.csv", recording[2])
+def test_the_command_line_smooths(recording, tmp_path):
+    cell, noisy = UR5 / "cell.yaml", write_table(tmp_path / "noisy.csv", recording[2])
     assert mrts_command("scale", cell, noisy, "-q", "--smooth", "1e-3").returncode == 0
     refused = mrts_command("scale", cell, noisy, "-q", "--smooth", "1e-5")
     assert refused.returncode == 2

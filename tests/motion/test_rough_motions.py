@@ -62,17 +62,15 @@ def test_a_joint_that_rounding_puts_past_its_limit(tmp_path, dual_ur5, exact):
     followed, _ = exact["turn", 101]
     path = write_table(tmp_path / "joints.csv", columns_of(dual_ur5, followed), ".4f")
     highest = np.max(followed.q, axis=0)
-    for margin, allowed in ((0.0, True), (-1e-3, False)):
-        robots = [
-            replace(robot, position_upper=highest[dual_ur5.joint_slices[robot.name]] + margin)
-            for robot in dual_ur5.robots
-        ]
-        cell = replace(dual_ur5, robots=tuple(robots))
-        if allowed:
-            assert read(cell, path).status.admits_motion
-        else:
-            with pytest.raises(mrts.MotionError, match="passes a position limit"):
-                read(cell, path)
+
+    def limited(margin):
+        limits = (highest[part] + margin for part in dual_ur5.joint_slices.values())
+        pairs = zip(dual_ur5.robots, limits, strict=True)
+        return replace(dual_ur5, robots=tuple(replace(robot, position_upper=upper) for robot, upper in pairs))
+
+    assert read(limited(0.0), path).status.admits_motion
+    with pytest.raises(mrts.MotionError, match="passes a position limit"):
+        read(limited(-1e-3), path)
 
 
 def test_velocities_are_taken_where_they_are(tmp_path, dual_ur5, exact):
