@@ -136,7 +136,11 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
         replace(joint, position=np.unwrap(joint.position)) if unit == "rad" else joint  # encoders leap from π to -π
         for joint, unit in zip(joints, robot.position_units, strict=True)
     ]
-    position, effort = (np.column_stack(part) for part in zip(*(_at(joint, time) for joint in joints), strict=True))
+    position, effort = np.empty((2, count, len(joints)))
+    for place, joint in enumerate(joints):
+        within = np.clip(time, joint.time[0], joint.time[-1])
+        position[:, place] = make_interp_spline(joint.time, joint.position, k=3)(within)
+        effort[:, place] = np.interp(within, joint.time, joint.effort)
     low_pass = butter(ORDER, cutoff, fs=rate, output="sos")
     q = sosfiltfilt(low_pass, position, axis=0)
     spline = make_interp_spline(time - start, q, k=DEGREE)
@@ -167,17 +171,3 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
 def _step(time: Array) -> float:
     steps = np.diff(time)
     return float(np.mean(steps[steps <= GAP * np.median(steps)]))
-
-
-def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:
-    """Position and effort at uniform times: as they are where those are its own, on splines and lines between them."""
-    from scipy.interpolate import make_interp_spline  # noqa: PLC0415
-
-    first = int(np.searchsorted(joint.time, time[0] - UNEVEN * (time[1] - time[0])))
-    own = joint.time[first : first + len(time)]
-    if len(own) == len(time) and np.max(np.abs(own - time)) <= UNEVEN * (time[1] - time[0]):
-        kept = slice(first, first + len(time))
-        return joint.position[kept], joint.effort[kept]
-    within = np.clip(time, joint.time[0], joint.time[-1])
-    position = make_interp_spline(joint.time, joint.position, k=3)(within)
-    return np.asarray(position, dtype=np.float64), np.interp(within, joint.time, joint.effort)
