@@ -92,14 +92,6 @@ class SmoothPiece(TimedPiece):
     torque: Array
     wrench: Array
 
-    def to_json(self, time: Array) -> dict[str, list[float | None]]:
-        """Also the profile by σ."""
-        return super().to_json(time) | {
-            "sigma": self.piece.path.object.time.tolist(),
-            "sigma_speed": np.sqrt(self.x).tolist(),
-            "sigma_rate": self.steps.profile.u.tolist(),
-        }
-
     def between(self) -> tuple[NDArray[np.int_], NDArray[np.int_], Array, Array, Array]:
         """The fine samples that are not nodes: which, segment, place in it, x and u there, each Shape (k,)."""
         inside, step = np.flatnonzero(np.arange(self.fine.samples) % STRIDE), self.piece.step
