@@ -113,7 +113,8 @@ class Manifest(ChainsRecord):
     cell: Any
 
 
-def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:
-    """Check that a C text is the one that a manifest describes."""
+def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> str:
+    """A C text, which must be the one that a manifest describes."""
     if hashlib.sha256(text.encode()).hexdigest() != manifest.source_sha256:
         raise InputError(where, "differs from what its manifest describes. Make both again: `mrts generate`.")
+    return text

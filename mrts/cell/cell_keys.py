@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.arrays import without_infinity
+from mrts.base.arrays import Array, without_infinity
 from mrts.base.atomic_file import resolved_path, write_text_atomically
 from mrts.base.errors import NEAREST_INERTIA, InputError, as_path, check_type, joined
 from mrts.base.formats.record import Pose, Record, checked, dumped
@@ -70,11 +70,13 @@ def _shape_keys(shape: BodyShape) -> dict[str, Any]:
     return shape.model_dump() | ({"pose": None} if shape.pose == Pose() else {})
 
 
+def _sides(lower: Array, upper: Array) -> dict[str, list[float | None]] | list[float | None]:
+    sides = {"lower": without_infinity(lower), "upper": without_infinity(upper)}
+    return sides["upper"] if np.array_equal(lower, -upper) else sides
+
+
 def _robot(robot: Robot) -> dict[str, Any]:
-    source, motors, upper = robot.source, robot.motors, robot.torque_upper.tolist()
-    symmetric = np.array_equal(robot.torque_lower, -robot.torque_upper)
-    acceleration = {side: without_infinity(getattr(robot, f"acceleration_{side}")) for side in ("lower", "upper")}
-    alike = np.array_equal(robot.acceleration_lower, -robot.acceleration_upper)
+    source, motors = robot.source, robot.motors
     points = [{key: getattr(one, key) for key in LinkPointLimit.model_fields} for one in robot.point_limits]
     per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", *RATINGS)}
     return {
@@ -84,9 +86,9 @@ def _robot(robot: Robot) -> dict[str, Any]:
         "tip_link": source.tip_link,
         **{key: pose_keys(getattr(robot, name)) for key, name in POSES.items()},
         "posture": robot.posture.tolist(),
-        "torque": upper if symmetric else {"lower": robot.torque_lower.tolist(), "upper": upper},
+        "torque": _sides(robot.torque_lower, robot.torque_upper),
         "velocity": without_infinity(robot.velocity_limit),
-        "acceleration": acceleration["upper"] if alike else acceleration,
+        "acceleration": _sides(robot.acceleration_lower, robot.acceleration_upper),
         "frames": points or None,
         "wrench": {"lower": without_infinity(robot.wrench_lower), "upper": without_infinity(robot.wrench_upper)},
         "contact_rate": without_infinity(robot.contact_rate[[0, -1]]),

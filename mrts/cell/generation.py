@@ -27,7 +27,7 @@ from mrts.cell.robot import Robot
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
 
-Record = TypeVar("Record", bound=ChainsRecord)
+Read = TypeVar("Read")
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
@@ -224,7 +224,8 @@ def read_to_generate(path: Path) -> Any | None:
     return cell if _chains_in_cache(cell)[1] is None else None
 
 
-def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
+def _if_sound(path: Path, read: Callable[[str], Read]) -> Read | None:
+    """What a file of the cache says; None unless it is ours, and whole."""
     try:
         return read(path.read_text(encoding="utf-8")) if only_ours(path) else None
     except (InputError, ValueError):
@@ -232,13 +233,7 @@ def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
 
 
 def _is_source(path: Path, chains: ChainsRecord) -> bool:
-    if not only_ours(path):
-        return False
-    try:
-        check_source(path, chains, path.read_text(encoding="utf-8"))
-    except (InputError, ValueError):
-        return False
-    return True
+    return _if_sound(path, partial(check_source, path, chains)) is not None
 
 
 def is_generated(path: Path) -> bool:

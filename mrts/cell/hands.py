@@ -26,11 +26,6 @@ SHORTEST_DIRECTION = 1e-9
 OUT_OF_PLANE = 1e-9
 """Largest entry of a rotation or direction that still counts as zero."""
 
-NOT_IN_PLANE = (
-    "is in tip axes, of which one must be normal to the plane of a planar cell. Turn the tip frame in the URDF and the "
-    "grasp with it, or give a box in the frame of the object or the base."
-)
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Contact(MadeAgain):
@@ -124,22 +119,26 @@ def triple_axes(components: Sequence[str]) -> list[int]:
     return ["xyz".index(component[1]) for component in components[:3]]
 
 
-def tip_components(components: Sequence[str], R_object_tip: Array) -> tuple[str, ...] | None:
+def tip_components(components: Sequence[str], R_object_tip: Array) -> tuple[str, ...]:
     """Components of a wrench in tip axes: of a planar one the forces along both tip axes in the plane, and its moment.
 
     Args:
         components: Of the cell's wrenches.
         R_object_tip: Rotation of the grasp, Shape (3, 3).
 
-    Returns:
-        Names; None if a planar cell's tip link has no axis along the plane's normal.
+    Raises:
+        InputError: If a planar cell's tip link has no axis along the plane's normal.
     """
     if len(components) == len(WRENCH_COMPONENTS):
         return tuple(components)
     normal = R_object_tip[triple_axes(components)[2]]
     along = int(np.argmax(np.abs(normal)))
     if np.max(np.abs(np.delete(normal, along))) > OUT_OF_PLANE:
-        return None
+        rule = (
+            "is in tip axes, of which one must be normal to the plane of a planar cell. Turn the tip frame in the URDF "
+            "and the grasp with it, or give a box in the frame of the object or the base."
+        )
+        raise InputError("contact", rule)
     first, second = (axis for axis in range(3) if axis != along)
     return f"f{'xyz'[first]}", f"f{'xyz'[second]}", f"n{'xyz'[along]}"
 
@@ -184,10 +183,8 @@ def contact_axes(key: str, direction: object, components: Sequence[str]) -> Arra
 
 def in_object_axes(rows: Array, R_object_tip: Array, components: Sequence[str]) -> Array:
     """Rows over a wrench in tip axes as rows over it in object axes, Shape (r, w)."""
-    there = tip_components(components, R_object_tip)
-    if there is None:
-        raise InputError("contact", NOT_IN_PLANE, key="frame", value="tip")
-    turn = R_object_tip[np.ix_(triple_axes(components), triple_axes(there))].T
+    in_tip = tip_components(components, R_object_tip)
+    turn = R_object_tip[np.ix_(triple_axes(components), triple_axes(in_tip))].T
     return in_tip_axes(rows, turn)
 
 
@@ -201,6 +198,9 @@ SMALLEST = 1e-6
 
 Side = Sequence[float | None] | Array | None
 """One side of the bounds of a wrench, Shape (w,): None is unbounded, a component or the whole side."""
+
+Sides = tuple[float, float]
+"""Lower and upper limit of a row."""
 
 
 class Bounds(Record):
@@ -350,13 +350,13 @@ def pad_contact(
     """
     check_type("contact: pull", pull, bool)
     axes = contact_axes("normal", normal, components)
-    needed = _normal_force_needed(_pyramid(friction, components), _half_widths("half_width", half_width, components))
+    rows = _pressed_rows(_pyramid(friction, components), _half_widths("half_width", half_width, components))
     pair = holds(force, 2)
     if not pair or not all(is_number(value, 0, LARGEST_NUMBER) for value in force) or not force[0] < force[1]:
         rule = "must be [least, most] normal force in N with 0 <= least < most: a pad presses and cannot pull."
         raise InputError("contact", rule, key="force", value=force)
     given = as_given("pad", friction=friction, normal=normal, half_width=half_width, force=force, pull=pull or None)
-    return _surface_contact(name, needed, axes, normal_force=(force[0], force[1]), pressed=0.0, given=given)
+    return _friction_contact(name, rows, axes, (force[0], force[1]), (-np.inf, 0.0), given)
 
 
 def suction_contact(
@@ -393,11 +393,11 @@ def suction_contact(
     holding, width = _positive("holding_force", holding_force), _positive("radius", radius)
     in_space = len(components) == len(WRENCH_COMPONENTS)
     widths = [width / np.sqrt(2)] * 2 if in_space else [width]
-    needed = _normal_force_needed(_pyramid(friction, components), widths)
+    rows = _pressed_rows(_pyramid(friction, components), widths)
     given = as_given(
         "suction", holding_force=holding_force, friction=friction, radius=radius, normal=normal, pull=pull or None
     )
-    return _surface_contact(name, needed, axes, normal_force=(-holding, np.inf), pressed=holding, given=given)
+    return _friction_contact(name, rows, axes, (-holding, np.inf), (-np.inf, holding), given)
 
 
 def gripper_contact(
@@ -430,16 +430,8 @@ def gripper_contact(
     both = 2 * _positive("force", force)
     mu, widths = _pyramid(friction, components), _half_widths("half_width", half_width, components)
     rows = _in_plane(mu, *widths) if len(widths) == 1 else _in_space(mu, *widths)
-    return Contact(
-        name=name,
-        frame="tip",
-        rows=tuple(rows),
-        units=("N",) * len(rows),
-        A=in_tip_axes(np.array(list(rows.values())), axes),
-        lower=np.full(len(rows), -both),
-        upper=np.full(len(rows), both),
-        given=as_given("gripper", force=force, friction=friction, half_width=half_width, axis=axis),
-    )
+    given = as_given("gripper", force=force, friction=friction, half_width=half_width, axis=axis)
+    return _friction_contact(name, rows, axes, (-both, both), (-both, both), given)
 
 
 KINDS: dict[str, Callable[..., Contact]] = {
@@ -476,13 +468,12 @@ def read_contacts(
     R_object_tip: Array,
 ) -> tuple[Contact, ...]:
     """The contacts of one robot by entries of a cell file that keep to `check_contact`."""
-    in_tip, contacts = tip_components(components, R_object_tip), []
+    contacts = []
     given = [pair for entry in entries for pair in entry.items()]
     for place, ((kind, arguments), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):
-        there = in_tip if arguments.get("frame", "tip") == "tip" else components
+        in_tip = arguments.get("frame", "tip") == "tip"
         try:
-            if there is None:
-                raise InputError("", NOT_IN_PLANE)  # noqa: TRY301 (told of its place with the others)
+            there = tip_components(components, R_object_tip) if in_tip else components
             contacts.append(KINDS[kind](**arguments, components=there, name=name))
         except InputError as error:
             raise error.inside(where, f"{key}[{place}].{kind}") from None
@@ -513,8 +504,8 @@ def _half_widths(key: str, values: object, components: Sequence[str]) -> list[fl
     return [_positive(key, value) for value in values]
 
 
-def _normal_force_needed(mu: float, widths: Sequence[float]) -> dict[str, Array]:
-    """What normal force each demand needs: a surface that presses with f_n can exert F if no row of F exceeds f_n.
+def _pressed_rows(mu: float, widths: Sequence[float]) -> dict[str, Array]:
+    """The normal force f_n, and of each demand what it needs of that beyond f_n: a surface can exert F if none is > 0.
 
     Of a rectangle the 16 rows of S. Caron, Q.-C. Pham, Y. Nakamura, "Stability of surface contacts for humanoid
     robots: closed-form formulae of the contact wrench cone for rectangular support areas", IEEE ICRA 2015; of a line in
@@ -527,46 +518,31 @@ def _normal_force_needed(mu: float, widths: Sequence[float]) -> dict[str, Array]
     Returns:
         By name rows over (f_a, f_b, f_n, m_a, m_b, m_n) or (f_a, f_n, m), Shape (6,) or (3,), in N of normal force.
     """
-    if len(widths) == 1:
-        (width,) = widths
-        rows = {f"friction {sign}a": [float(f"{sign}1") / mu, 0, 0] for sign in "+-"}
-        rows |= {f"tilt {sign}": [0, 0, float(f"{sign}1") / width] for sign in "+-"}
-        return {name: np.array(row, dtype=np.float64) for name, row in rows.items()}
-    X, Y = widths
-    f_a, f_b, _, m_a, m_b, m_n = np.eye(6)
     found: dict[str, Array] = {}
+    if len(widths) == 1:
+        (width,), (f_a, f_n, m) = widths, np.eye(3)
+        for name, row in (("friction {}a", f_a / mu), ("tilt {}", m / width)):
+            found |= {name.format(sign): float(f"{sign}1") * row - f_n for sign in "+-"}
+        return {"normal force": f_n, **found}
+    X, Y = widths
+    f_a, f_b, f_n, m_a, m_b, m_n = np.eye(6)
     for name, row in (("friction", f_a / mu), ("friction", f_b / mu), ("tilt", m_a / Y), ("tilt", m_b / X)):
         axis = "a" if row[0] or row[3] else "b"
-        found |= {f"{name} {sign}{axis}": float(f"{sign}1") * row for sign in "+-"}
+        found |= {f"{name} {sign}{axis}": float(f"{sign}1") * row - f_n for sign in "+-"}
     for number, (turn, first, second) in enumerate(product((1, -1), repeat=3), start=1):
         row = turn * m_n + first * (Y * f_a + turn * mu * m_a) + second * (X * f_b + turn * mu * m_b)
-        found[f"torsion {number}"] = row / (mu * (X + Y))
-    return found
+        found[f"torsion {number}"] = row / (mu * (X + Y)) - f_n
+    return {"normal force": f_n, **found}
 
 
-def _surface_contact(
-    name: str,
-    needed: dict[str, Array],
-    axes: Array,
-    *,
-    normal_force: tuple[float, float],
-    pressed: float,
-    given: dict[str, Any],
+def _friction_contact(
+    name: str, rows: dict[str, Array], axes: Array, first: Sides, others: Sides, given: dict[str, Any]
 ) -> Contact:
-    """A surface that holds by friction what its normal force and what presses it besides can bear."""
-    along = np.zeros(len(next(iter(needed.values()))))
-    along[2 if len(along) == len(WRENCH_COMPONENTS) else 1] = 1.0
-    rows = np.array([along, *(row - along for row in needed.values())])
-    return Contact(
-        name=name,
-        frame="tip",
-        rows=("normal force", *needed),
-        units=("N",) * len(rows),
-        A=in_tip_axes(rows, axes),
-        lower=np.array([normal_force[0], *(-np.inf for _ in needed)]),
-        upper=np.array([normal_force[1], *(pressed for _ in needed)]),
-        given=given,
-    )
+    """Rows in contact axes, the first between sides of its own [N]."""
+    lower, upper = np.array([first, *[others] * (len(rows) - 1)], dtype=np.float64).T
+    A = in_tip_axes(np.array([*rows.values()]), axes)
+    units = ("N",) * len(rows)
+    return Contact(name=name, frame="tip", rows=tuple(rows), units=units, A=A, lower=lower, upper=upper, given=given)
 
 
 def _in_plane(mu: float, width: float) -> dict[str, Array]:

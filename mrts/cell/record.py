@@ -222,7 +222,8 @@ def verified_manifest(where: Path | str, text: str) -> CellManifest:
     """A manifest from its text."""
     try:
         data = read_json(text)
-        _check_format(data)
+        if isinstance(data, dict) and isinstance(given := data.get("format"), int) and given != FORMAT:
+            raise InputError("", f"this mrts reads format {FORMAT}.", key="format", value=given)  # noqa: TRY301
         manifest = CellManifest.model_validate(data)
     except InputError as error:
         rule = f"{error.rule} The file is generated: make it again with `mrts generate`."
@@ -236,9 +237,3 @@ def verified_manifest(where: Path | str, text: str) -> CellManifest:
         if short not in manifest.functions:
             raise InputError(where, f"its functions must include '{short}'.", key="functions")
     return manifest
-
-
-def _check_format(data: object) -> None:
-    given = data.get("format") if isinstance(data, dict) else None
-    if isinstance(given, int) and given != FORMAT:
-        raise InputError("", f"this mrts reads format {FORMAT}.", key="format", value=given)
