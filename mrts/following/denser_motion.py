@@ -97,7 +97,7 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     carried = unchecked_object_motion(**samples, remarks=told, course=ours.course)
     q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))
     remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
-    travel = _travel(motion, dq, np.flatnonzero(order < motion.samples))
+    travel = _travel(motion, dq, (order < motion.samples).nonzero()[0])
     return unchecked_coordinated_motion(carried, q, dq, ddq, travel, remarks, motion.course)
 
 
@@ -163,7 +163,7 @@ def _across_corners(
     moving = (end > 1) & (end < len(known) - 1)
     end = np.minimum(end, len(known) - 1)
     reached = (u[end - 1, None] <= corners + CORNER_TOLERANCE) & (corners - CORNER_TOLERANCE <= u[end, None])
-    near = np.flatnonzero(moving & np.any(reached, axis=1))
+    near = (moving & reached.any(axis=1)).nonzero()[0]
     if not len(near):
         return
     q, dq, ddq = (of[1:-1] for of in joints)
@@ -183,7 +183,7 @@ def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
     own = np.array([0, middle, -1])
     found = given.course(np.concatenate([given.time[own], time]))
     for there, known in zip(found, (given.position, given.rotation, given.twist, given.acceleration), strict=True):
-        if np.max(np.abs(there[:3] - known[own])) > SAME_COURSE * max(1.0, float(np.max(np.abs(known)))):
+        if np.abs(there[:3] - known[own]).max() > SAME_COURSE * max(1.0, float(np.abs(known).max())):
             return None
     position, rotation, twist, acceleration = (there[3:] for there in found)
     return unchecked_object_motion(time, position, rotation, twist, acceleration)

@@ -204,8 +204,8 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
     distance, angle, *rates = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
     slips = zip(rates[::2], rates[1::2], strict=True)
-    fits = all(np.all(off <= np.maximum(share * size, REST_SLIP)) for size, off in slips)
-    return bool(np.all(distance <= gaps[0]) and np.all(angle <= gaps[1]) and fits)
+    fits = all((off <= np.maximum(share * size, REST_SLIP)).all() for size, off in slips)
+    return bool((distance <= gaps[0]).all() and (angle <= gaps[1]).all() and fits)
 
 
 def _check_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion], where: str) -> None:
@@ -251,7 +251,7 @@ def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
     held, gap, turn, _ = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
     gaps = np.stack([gap.T, turn.T])
-    if np.max(gaps) > POSE_TOLERANCE:
+    if gaps.max() > POSE_TOLERANCE:
         robot, sample, *_ = _worst(gaps, ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
         amounts = gaps[:, robot, sample].tolist()
         raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
@@ -294,6 +294,6 @@ def _inverses(J: Array) -> Array:
         with suppress(np.linalg.LinAlgError):
             inverses = np.asarray(np.linalg.inv(J), dtype=np.float64)
             condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverses, axis=(1, 2))  # or less
-            if np.all(condition < CONDITION_LIMIT):
+            if (condition < CONDITION_LIMIT).all():
                 return inverses
     return np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64)

@@ -113,9 +113,9 @@ def keep_freed_memory() -> None:
 
 
 def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArray[Any]]:
-    """The work arrays, reals and ints, that a function of the kernel asks for by its `_work`, for some sizes."""
+    """The work arrays, reals and zeros as ints, that a function of the kernel asks for by its `_work`, for some sizes."""
     reals, ints = _work(library, function, sizes)
-    return [np.zeros(reals), np.zeros(ints, dtype=np.int32)]
+    return [np.empty(reals), np.zeros(ints, dtype=np.int32)]
 
 
 @lru_cache(maxsize=KNOWN_SIZES)

@@ -55,7 +55,7 @@ def sparse_limits(
     Raises:
         ValueError: If a lower limit is not at most the upper one.
     """
-    if not np.all(lower <= upper):
+    if not (lower <= upper).all():
         raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
     row, column = np.nonzero(matrix)
     units = list(dict.fromkeys(group))

@@ -168,7 +168,7 @@ class Programs:
         return x, dual, status
 
     def _segment_work(self, start: NDArray[np.int64]) -> Array:
-        return np.zeros(self._library.mrts_segment_work(2 * int(np.max(np.diff(start)))))
+        return np.empty(self._library.mrts_segment_work(2 * int(np.diff(start).max())))
 
 
 _of_a_cell: list[Programs] = []

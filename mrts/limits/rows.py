@@ -310,8 +310,8 @@ class LimitRows:
         if self.size is not None:
             return self.size
         sides = np.stack([np.abs(self.lower), np.abs(self.upper)])
-        size = np.max(np.where(np.isfinite(sides), sides, 0.0), axis=0)
-        zeros = np.flatnonzero(size == 0)
+        size = np.where(np.isfinite(sides), sides, 0.0).max(axis=0)
+        zeros = (size == 0).nonzero()[0]
         if zeros.size:
             largest: dict[str, float] = {}
             for name, of_row in zip(self.names, size.tolist(), strict=True):
@@ -375,7 +375,7 @@ class LimitRows:
 
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
         """Some of the rows; a column of the speed in which they have nothing is None."""
-        if np.all(kept):
+        if kept.all():
             return self
         places = np.flatnonzero(kept)
         some: dict[str, Any] = {}

@@ -28,7 +28,7 @@ def pushing_ends(dq: Array, ddq: Array) -> tuple[bool, bool]:
 
     A controller that waits there, or stays there, would push with the torques of that acceleration.
     """
-    (speed, fastest), (change, most) = ((np.max(of[[0, -1]], axis=1), np.max(of)) for of in (np.abs(dq), np.abs(ddq)))
+    (speed, fastest), (change, most) = ((of[[0, -1]].max(axis=1), of.max()) for of in (np.abs(dq), np.abs(ddq)))
     pushes = (speed <= REST * fastest) & (change > REST * most)
     return bool(pushes[0]), bool(pushes[1])
 

@@ -155,7 +155,7 @@ def refine(
             rows = given.along(denser(looked[0].motion, there, inner))
             new = joined(looked[1], new)
         looked = rows, new
-        if not np.all(new.upper > 0):
+        if not (new.upper > 0).all():
             break  # nothing moves there: that settles the outcome
         allowed = allowed or _allowed(rows, new, tolerance, first=1)
     if looked is None:
@@ -192,12 +192,12 @@ def _loads(known: SampleRanges, places: NDArray[np.intp], side: Side) -> Array |
 def _overstepped(looked: Looked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
     """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
     rows, known = looked
-    places = np.flatnonzero((known.upper < c2 if side == "upper" else known.lower > c2) | _outside(known, c2))
+    places = ((known.upper < c2 if side == "upper" else known.lower > c2) | _outside(known, c2)).nonzero()[0]
     return places, motion_widening(rows, np.full(len(places), c2), _loads(known, places, side), places + 1)
 
 
 def _worse(worst: Excess, known: SampleRanges, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
-    if not len(places) or np.max(share) <= worst.share:
+    if not len(places) or share.max() <= worst.share:
         return worst
     most = int(np.argmax(share))
     place = int(places[most])
@@ -207,7 +207,7 @@ def _worse(worst: Excess, known: SampleRanges, places: NDArray[np.intp], share: 
 
 def _allowed(rows: MotionRows, known: SampleRanges, tolerance: float, first: int = 0) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
-    low, high = float(np.max(known.lower)), float(np.min(known.upper))
+    low, high = float(known.lower.max()), float(known.upper.min())
     if not np.isfinite(high):
         return None
     places = np.array([np.argmax(known.lower), np.argmin(known.upper)])
@@ -238,7 +238,7 @@ def _possible_rises(known: SampleRanges) -> list[Array]:
     with np.errstate(divide="ignore"):
         both = 1 / known.upper, known.lower
     step = np.diff(known.time)
-    return [np.maximum(of[:-1], of[1:]) + turning(step, of) - np.max(of) for of in both]
+    return [np.maximum(of[:-1], of[1:]) + turning(step, of) - of.max() for of in both]
 
 
 def _left(known: SampleRanges, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
@@ -260,7 +260,7 @@ def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[N
             added += [np.argmin(order)] if np.isfinite(np.min(order)) else []
             continue
         places, share = _overstepped(looked, c2, side)
-        if len(places) and np.max(share) > left.tolerance:
+        if len(places) and share.max() > left.tolerance:
             added.append(places[np.argmin(order[places])])
             if np.any(_outside(known, c2)):
                 added.append(places[np.argmax(share)])

@@ -84,8 +84,8 @@ def travel_directions(motion: CoordinatedMotion) -> Array:
         return motion.travel
     dq, ddq = motion.dq, motion.ddq
     speed, change = np.abs(dq), np.abs(ddq)
-    moving = np.where(speed > REST * np.max(speed), np.sign(dq), 0.0)
-    leaving = np.where(change > REST * np.max(change), np.sign(ddq), 0.0)
+    moving = np.where(speed > REST * speed.max(), np.sign(dq), 0.0)
+    leaving = np.where(change > REST * change.max(), np.sign(ddq), 0.0)
     before, after = np.where(moving == 0, -leaving, moving), np.where(moving == 0, leaving, moving)
     before[0], after[-1] = after[0], before[-1]
     return np.stack([before, after])
@@ -148,7 +148,7 @@ class MotionRows:
         """
         free = self.formulation == "wrench" and self.sharing is None
         few = len(self.kept.names) + self.cell.library.unknowns <= MOST_ROWS
-        return free and few and not np.any(self.rows.lower > self.rows.upper)
+        return free and few and not (self.rows.lower > self.rows.upper).any()
 
     @cached_property
     def _limits(self) -> Any:
@@ -240,7 +240,7 @@ class MotionRows:
 def largest_square(cap_share: Array) -> Array:
     """Largest ṙ² that keeps all caps, infinity where none moves, Shape (…), of shares Shape (…, s)."""
     with np.errstate(divide="ignore"):
-        return np.asarray(1 / np.max(cap_share, axis=-1, initial=0.0), dtype=np.float64)
+        return np.asarray(1 / cap_share.max(axis=-1, initial=0.0), dtype=np.float64)
 
 
 def side_share(square: Array, lower: Array, upper: Array) -> Array:
@@ -252,7 +252,7 @@ def side_share(square: Array, lower: Array, upper: Array) -> Array:
 
 def binds(share: Array) -> NDArray[np.bool_]:
     """Which caps bound ṙ², none at rest; shares as `MotionRows.cap_share`, of one sample or of all."""
-    most = np.max(share, axis=-1, initial=0.0, keepdims=True)
+    most = share.max(axis=-1, initial=0.0, keepdims=True)
     return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
 
 
@@ -289,7 +289,7 @@ def motion_rows(
         passed = np.any(square > 0, axis=0) & (most <= 0) | np.any(square < 0, axis=0) & (least >= 0)
         caps = (least <= 0) & (most >= 0) & ~passed
         is_cap[places], square = caps, square[:, caps]
-    places = np.flatnonzero(is_cap)
+    places = is_cap.nonzero()[0]
     share = side_share(square, rows.lower[places], rows.upper[places])
     code = np.where(square > 0, 1 + places, -1 - places)
     return MotionRows(

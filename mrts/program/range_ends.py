@@ -79,7 +79,7 @@ def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     rows.over_samples(name, [np.minimum(most, INFINITY)], [found], load=load)
     basis, dual = (np.swapaxes(found[of], 0, 1) for of in ("basis", "dual"))
     (lower, upper), duals = found["end"].T, _duals_of_bases(rows, basis, dual)
-    return RangeEnds(lower, upper, duals, np.max(found["status"], axis=1), found["gap"], found["effect"])
+    return RangeEnds(lower, upper, duals, found["status"].max(axis=1), found["gap"], found["effect"])
 
 
 def ends_of_rows(problem: SampleProblem) -> RangeEnds:
@@ -107,8 +107,8 @@ def _duals_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np
 
     It has the r rows that are no caps; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
     """
-    count, kept, size = len(rows.given.names), np.flatnonzero(~rows.is_cap), np.abs(dual)
-    binds_there = (size > BINDING_TOLERANCE * np.max(size, axis=2, initial=0.0, keepdims=True)) & (basis != 0)
+    count, kept, size = len(rows.given.names), (~rows.is_cap).nonzero()[0], np.abs(dual)
+    binds_there = (size > BINDING_TOLERANCE * size.max(axis=2, initial=0.0, keepdims=True)) & (basis != 0)
     binds_there &= (np.abs(basis) <= len(kept)) | (basis < 0)
     place = np.append(kept, count)[np.clip(np.abs(basis) - 1, 0, len(kept))]
     duals = np.zeros((2, len(rows.most), count + 2), dtype=np.float32)

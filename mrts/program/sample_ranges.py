@@ -94,7 +94,7 @@ class SampleRanges:
     @property
     def several(self) -> bool:
         """Whether some sample admits other intervals of c² as well."""
-        return bool(np.any(self.gaps))
+        return bool(self.gaps.any())
 
     def at(self, places: NDArray[np.intp]) -> "SampleRanges":
         """The ranges at some samples, without what conflicts there."""
@@ -151,10 +151,10 @@ def motion_ranges(
     find = partial(kernel_ends, rows, load)
     ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
     ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
-    effect = float(np.max(ends.effect, initial=0.0))
+    effect = float(ends.effect.max(initial=0.0))
     at_rest = ends.effect <= REST_TOLERANCE * effect
     ends.upper[at_rest], ends.duals[1, at_rest] = rows.most[at_rest], 0
-    suspects = np.flatnonzero((ends.status != OPTIMAL) | (at_rest & (ends.lower > 0)))
+    suspects = ((ends.status != OPTIMAL) | (at_rest & (ends.lower > 0))).nonzero()[0]
     ends, conflicts = with_caps(ends, rows.cap_share, rows.cap_code), []
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
@@ -231,7 +231,7 @@ def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
 
 def first_least(values: Array) -> Any:
     """Place of the least value along the first axis, the first of those that differ by rounding only."""
-    least = np.min(values, axis=0)
+    least = values.min(axis=0)
     return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
 
 

@@ -66,7 +66,7 @@ def motion_torques(
     status, W = np.full(count, STOPPED, dtype=np.uint8), np.ascontiguousarray(weights)
     asked, outputs = [np.full(count, c2)], (torque, wrench, status)
     rows.over_samples("mrts_torques", asked, outputs, (1, W, TORQUE_WIDENING), speed=float(np.sqrt(c2)))
-    missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
+    missing, fallbacks = (status != OPTIMAL).nonzero()[0], 0
     if missing.size:
         torque[missing], wrench[missing], fallbacks = torques_by_blocks(rows, solver, c2, weights, missing)
     return torque, wrench, fallbacks

@@ -92,7 +92,7 @@ def motion_widening(
         status, units = np.full(len(places), STOPPED, dtype=np.uint8), rows.given.units[~rows.is_cap]
         outputs = share, status
         rows.over_samples("mrts_widenings", [c2], outputs, (units,), load=load, speed=speed, samples=samples)
-        share, left = np.maximum(share, _passed_caps(rows, c2, places)), np.flatnonzero(status != OPTIMAL)
+        share, left = np.maximum(share, _passed_caps(rows, c2, places)), (status != OPTIMAL).nonzero()[0]
     if left.size:
         carried = load if load is None or load.ndim == 1 else load[left]
         problem = build_sample_problem(rows, load=carried, samples=places[left])

@@ -385,7 +385,7 @@ def largest_excess(rows: LimitRows, done: ScaledTrajectory) -> float:
         part = slice(start, start + BLOCK)
         here = rows.at(part)
         excess = here.excess(here.value(done.torque[part], done.wrench[part], 0.0, done.c))
-        worst = float(np.maximum(worst, np.max(excess, initial=0.0)))  # not max: it would drop what is no number
+        worst = float(np.maximum(worst, excess.max(initial=0.0)))  # not max: it would drop what is no number
     return worst
 
 

@@ -82,7 +82,7 @@ def refined_timing(
         before, share = (timed, shares), np.zeros(timed.motion.samples - 1)
         for part, its in zip(timed.pieces, shares, strict=True):
             own = share[part.piece.first :][: len(its)]
-            own[:] = np.max(its.T.copy(), axis=0)  # faster by places than by segments
+            own[:] = its.T.copy().max(axis=0)  # faster by places than by segments
             if adds and turn == 0 and part.profile:
                 sharp = _turns(part.piece) / SHARP
                 own[sharp > 1] = np.maximum(own, tolerance * sharp**2)[sharp > 1]
@@ -90,13 +90,13 @@ def refined_timing(
             best, least, stalled = timed, worst, 0
         else:
             stalled += 1
-        if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not np.any(share > tolerance):
+        if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not (share > tolerance).any():
             break
         share = np.where(share > NEAR * tolerance, share, 0.0)
         if timed.pieces[0].profile:  # of a fastest timing, whose switches move out of a segment that is divided
             beside = np.pad(share, 1)
             share = np.max([beside[:-2], share, beside[2:]], axis=0)
-        segment = np.flatnonzero(share)
+        segment = share.nonzero()[0]
         count = np.ceil(np.sqrt(share[segment] / tolerance)).clip(2, PARTS).astype(int)  # excess goes as its square
         if timed.motion.samples + np.sum(count - 1) > most:
             break
@@ -143,8 +143,8 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
         h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
         steps = np.diff(motion.q, axis=0)
         missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])
-        doubtful = np.max(np.abs(missed), axis=1) > BENT * np.max(np.abs(steps))
-    if np.any(doubtful):
+        doubtful = np.abs(missed).max(axis=1) > BENT * np.abs(steps).max()
+    if doubtful.any():
         between_samples(cell, motion, ((time[1:] + time[:-1]) / 2)[doubtful])
 
 
@@ -186,11 +186,11 @@ def _least_excess(timed: RetimingResult, part: TimedPiece, before: tuple[Retimin
         number, own = known
         old, starts, ends = before[0].pieces[number], own[:-1], own[1:]
         speeds = np.maximum(np.abs(part.x[starts] - old.x[:-1]), np.abs(part.x[ends] - old.x[1:]))
-        rates = np.max(np.abs(part.rates[starts] - old.rates), axis=1)
-        alike = (starts + 1 == ends) & (speeds <= ALIKE * old.x[:-1]) & (rates <= ALIKE * np.max(np.abs(old.rates)))
+        rates = np.abs(part.rates[starts] - old.rates).max(axis=1)
+        alike = (starts + 1 == ends) & (speeds <= ALIKE * old.x[:-1]) & (rates <= ALIKE * np.abs(old.rates).max())
         share[starts[alike]] = before[1][number][alike]
         new[starts[alike]] = False
-    segments = np.flatnonzero(new)
+    segments = new.nonzero()[0]
     if segments.size:
         played = between_path_samples(timed.cell, part, segments)
         rows, one = motion_rows(timed.cell, played, timed.options.sharing), np.ones(played.samples)

@@ -87,11 +87,11 @@ def speed_regions(
         bound: An x that no profile reaches, of other samples of the path; None finds one.
     """
     taken, most = ~problem.is_cap, problem.cap()
-    by_itself = taken & ~np.any(problem.A[0, :, :-2], axis=1)
-    by_itself[by_itself] = ~np.any(problem.A[:, by_itself, :-2], axis=(0, 2))
-    every, alone, rows = (np.flatnonzero(of).astype(np.int32) for of in (taken, by_itself, taken & ~by_itself))
+    by_itself = taken & ~problem.A[0, :, :-2].any(axis=1)
+    by_itself[by_itself] = ~problem.A[:, by_itself, :-2].any(axis=(0, 2))
+    every, alone, rows = (of.nonzero()[0].astype(np.int32) for of in (taken, by_itself, taken & ~by_itself))
     effect = default_programs().effects(problem.A, every)
-    effect[effect[:, -2] <= REST_TOLERANCE * np.max(effect[:, -2]), -2] = 0.0  # u moves nothing but by rounding
+    effect[effect[:, -2] <= REST_TOLERANCE * effect[:, -2].max(), -2] = 0.0  # u moves nothing but by rounding
     by_row = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
     if bound is None:
         bound = FARTHEST * _likely_speed(problem, every, effect[:, -2], most, length, ends)
@@ -110,13 +110,13 @@ def speed_regions(
     least = np.where(moves, [-BOX, 0.0], 0.0)
     largest = np.where(moves, np.column_stack([np.full_like(cap, BOX), cap]), 0.0)
     number, corners = _decided_projections(problem, rows, scale, (least, largest))
-    found = (number > 0) & ~np.any(problem.lower > problem.upper, axis=1)  # sides that cross leave nothing to project
-    if not np.all(found):
+    found = (number > 0) & ~(problem.lower > problem.upper).any(axis=1)  # sides that cross leave nothing to project
+    if not found.all():
         corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
     start, planes, low, high = default_programs().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
     high = np.where(moves[:, 1] & (high < NEAR_BOX * box), high * moving, np.inf)
     lower = np.maximum(low, 0.0) * scale[:, -1]
-    undecided = tuple(np.flatnonzero(~found).tolist())
+    undecided = tuple((~found).nonzero()[0].tolist())
     projected = SpeedRegions(start, planes, lower, np.minimum(high, most), bound, undecided)
     return intersect_regions([projected, _regions_of_planes(by_row, effect, most, bound)]) if alone.size else projected
 
@@ -157,7 +157,7 @@ def _likely_speed(
 
     Each is at least that of a whole limit: some samples leave none.
     """
-    moving = np.flatnonzero(effect)
+    moving = effect.nonzero()[0]
     if not moving.size:
         return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
     probes = moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
@@ -177,8 +177,8 @@ def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
     planes[:, :rows, :2], planes[:, :rows, 2] = A, upper
     np.negative(A, out=planes[:, rows:, :2])
     np.negative(lower, out=planes[:, rows:, 2])
-    limited = np.any(np.isfinite(planes[:, :, 2]), axis=0)
-    return planes if np.all(limited) else planes[:, limited]
+    limited = np.isfinite(planes[:, :, 2]).any(axis=0)
+    return planes if limited.all() else planes[:, limited]
 
 
 def _projections(
@@ -196,7 +196,7 @@ def _decided_projections(
     is too small to be told from rounding.
     """
     number, corners, status = _projections(problem, rows, scale, bounds)
-    again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
+    again = ((status != OPTIMAL) & (status != INFEASIBLE)).nonzero()[0]
     if not again.size:
         return number, corners
     some, free = problem.at(again), problem.unknowns - 2
@@ -311,7 +311,7 @@ def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) 
         return found
     for _ in range(MOST_PASSES):
         faster = fastest_profile(step, found.regions, ends, rise)
-        if not isinstance(faster, SpeedProfile) or np.any(_stop_share(step, faster.x, rise) >= 1):
+        if not isinstance(faster, SpeedProfile) or (_stop_share(step, faster.x, rise) >= 1).any():
             return found
         before, lasts = lasts, min(lasts, float(np.sum(segment_times(step, faster.x, rise))))
         if lasts < before:
@@ -334,7 +334,7 @@ def segment_times(step: Array, x: Array, rise: Array) -> Array:
     """
     speed = np.sqrt(x)
     duration: Array = 2 * step / (speed[:-1] + speed[1:])
-    if np.any(rise):
+    if rise.any():
         share = _stop_share(step, x, rise)
         z = np.sqrt(np.abs(share))
         for sign, inverse in ((share > 0, np.arctanh), (share < 0, np.arctan)):
