@@ -34,7 +34,7 @@ def address(array: NDArray[Any]) -> ctypes.c_void_p:
 def _address(value: object) -> object:
     """A pointer as ctypes passes it on: to the first entry of an array, to a structure, to nothing, or as given."""
     if isinstance(value, np.ndarray):
-        return address(value)
+        return ctypes.c_void_p.from_address(id(value) + HEAD)  # `address`, whose call would cost as much
     return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
 
 
@@ -113,7 +113,7 @@ def keep_freed_memory() -> None:
 
 
 def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArray[Any]]:
-    """The work arrays, reals and zeros as ints, that a function of the kernel asks for by its `_work`, for some sizes."""
+    """The work arrays that a function of the kernel asks for by its `_work`, for some sizes: reals, and ints, zeros."""
     reals, ints = _work(library, function, sizes)
     return [np.empty(reals), np.zeros(ints, dtype=np.int32)]
 

@@ -52,7 +52,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows, others = _fixed(cell), [rows.bounded() for _, rows in rows_by_limit(cell, motion, FIXED) if rows.names]
+    rows, others = _fixed(cell), [rows.bounded() for _, rows in rows_by_limit(cell, motion, FIXED)]
     rows = stack_rows([rows, *others]) if others else rows
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 

@@ -50,10 +50,10 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return LimitRows.of(cell, names, lower, upper, wrench_matrix=in_base, **turns)
 
 
-def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; no rows if they are not enforced."""
+def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
+    """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; None if they are not enforced."""
     if not cell.enforces_velocity_limits:
-        return LimitRows.of(cell, (), *np.zeros((2, 0)))
+        return None
     names = joint_rows(cell, "velocity", "position_units", "/s")
     of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
     x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
@@ -87,9 +87,9 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     A line holds while the motor drives, where τ and q̇ have one sign: -a <= τ + m q' ṙ <= a. Where it brakes that
     leaves more than the plain limit of the torque, which is a limit of its own.
     """
-    names, joint, limit, slope = curve_rows(cell)
-    if not names:
+    if all(curve is None for robot in cell.robots for curve in robot.motors.torque_speed):
         return None
+    names, joint, limit, slope = curve_rows(cell)
     of_torque = np.isfinite(slope)
     matrix = of_torque[:, None] * np.eye(motion.q.shape[1])[joint]
     speed = np.where(of_torque, slope, 1.0) * motion.dq[:, joint]

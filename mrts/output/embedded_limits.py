@@ -56,6 +56,7 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     rows = stack_rows(pieces)
     groups = list(dict.fromkeys(name.group for name in rows.names))
     velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
+    assert velocity is not None  # noqa: S101 (they are enforced there)
     most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
     tables = {
         "LOWER": rows.lower,

@@ -6,7 +6,6 @@ Regions are convex polygons, as half-planes; the passes through them are those o
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 from typing import Literal
 
 import numpy as np
@@ -59,12 +58,10 @@ class SpeedRegions:
 
     def with_samples(self, places: NDArray[np.intp], more: "SpeedRegions") -> "SpeedRegions":
         """Those of further samples besides, which are then at some places of all, Shape (k,), in order."""
-        before = places - np.arange(len(places))
-        ours, theirs = np.split(self.planes, self.start[before]), np.split(more.planes, more.start[1:-1])
-        counts = np.insert(np.diff(self.start), before, np.diff(more.start))
+        before, counts = places - np.arange(len(places)), np.diff(more.start)
         return SpeedRegions(
-            np.concatenate([[0], np.cumsum(counts)]),
-            np.concatenate([*chain.from_iterable(zip(ours, theirs, strict=False)), ours[-1]]),
+            np.concatenate([[0], np.cumsum(np.insert(np.diff(self.start), before, counts))]),
+            np.insert(self.planes, np.repeat(self.start[before], counts), more.planes, axis=0),
             np.insert(self.lower, before, more.lower),
             np.insert(self.upper, before, more.upper),
             self.bound,
