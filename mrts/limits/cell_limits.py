@@ -51,9 +51,12 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
 
 
 def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
-    """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; None if they are not enforced."""
-    if not cell.enforces_velocity_limits:
-        return None
+    """`velocity_rows` where they are enforced."""
+    return velocity_rows(cell, motion) if cell.enforces_velocity_limits else None
+
+
+def velocity_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+    """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity."""
     names = joint_rows(cell, "velocity", "position_units", "/s")
     of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
     x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)

@@ -2,7 +2,6 @@
 """The limits of a cell as an exported library carries them: tables of rows, limits of the motion alone, motors."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import compress
 from typing import Any
 
@@ -17,7 +16,7 @@ from mrts.cell.motors import EFFECTS
 from mrts.cell.points import PointLimit
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
-from mrts.limits.cell_limits import curve_rows, motor_limits, velocity_limits
+from mrts.limits.cell_limits import curve_rows, motor_limits, velocity_limits, velocity_rows
 from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_limits, point_limits
 from mrts.limits.rows import LimitRows, RowName, base_axes, limit_name, stack_rows
 from mrts.motion.object_motion import ObjectMotion
@@ -55,8 +54,7 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
             pieces.append(given)
     rows = stack_rows(pieces)
     groups = list(dict.fromkeys(name.group for name in rows.names))
-    velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
-    assert velocity is not None  # noqa: S101 (they are enforced there)
+    velocity = velocity_rows(cell, probes[0])
     most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
     tables = {
         "LOWER": rows.lower,

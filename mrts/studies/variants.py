@@ -24,7 +24,7 @@ from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.tracking import PATH, REFUSED
 from mrts.kernel.variants import variant_ranges
 from mrts.limits import limit_rows
-from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
+from mrts.limits.cell_limits import torque_limits, velocity_rows, wrench_limits
 from mrts.limits.rows import ActiveRow, kernel_limits
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
@@ -217,7 +217,7 @@ class VariantBatch:
         given = limit_rows(cell.with_reserve(0.0), at_rest)
         alone = {"velocity", "acceleration"}  # these bound c² by themselves
         self.rows = given.only(np.array([name.kind not in alone for name in given.names], dtype=bool))
-        self._caps = velocity_limits(replace(cell, enforces_velocity_limits=True), at_rest).names
+        self._caps = velocity_rows(cell, at_rest).names
         self._caps += tuple(replace(name, kind="acceleration", unit=f"{name.unit}²") for name in self._caps)
         self._limited = {"torque": torque_limits(cell, at_rest).names, "wrench": wrench_limits(cell, at_rest).names}
         self._sparse, matrix = kernel_limits(cell, self.rows), self.rows.matrix
