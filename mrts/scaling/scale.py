@@ -3,6 +3,7 @@
 
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -355,11 +356,15 @@ def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
     cell, motion = rows.cell, rows.motion
     held, places = np.array(pushing_ends(motion.dq, motion.ddq)), np.array([0, motion.samples - 1])
     torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
-    if np.any(held):
+    ask, found = (options.solver, 0.0, weights, options.distribute), None
+    if held.any():
+        with suppress(SolverError):  # mostly both ends have some
+            found = motion_torques(rows.at_rest(places), *ask)
+    if held.any() and found is None:
         held &= motion_widening(rows.at_rest(places), np.zeros(2)) <= TORQUE_WIDENING
-    if np.any(held):
-        still = rows.at_rest(places[held][[0, -1]])  # where one end has none, the other stands for both
-        found = motion_torques(still, options.solver, 0.0, weights, options.distribute)
+        if held.any():
+            found = motion_torques(rows.at_rest(places[held][[0, -1]]), *ask)  # one end stands for both
+    if found is not None:
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     return Holding((bool(held[0]), bool(held[1])), torque, wrench)
 
