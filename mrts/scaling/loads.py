@@ -44,15 +44,12 @@ LARGEST_GRID = 10_000
 ACHIEVED_TOLERANCE = 1e-6
 """The linear program at the load found must reach the nonlinear program's c² to this share of it."""
 
-IPOPT_TOLERANCE = 1e-10
-"""Tolerance of the scaled program: far below `ACHIEVED_TOLERANCE`, and IPOPT reaches it."""
-
 IPOPT_OPTIONS: dict[str, Any] = {
     "print_time": False,
     "error_on_fail": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.tol": IPOPT_TOLERANCE,
+    "ipopt.tol": 1e-10,  # of the scaled program: far below `ACHIEVED_TOLERANCE`, and IPOPT reaches it
     "ipopt.max_iter": 500,
     # by default IPOPT oversteps bounds by 1e-8 of their size, which the substituted program does not
     "ipopt.bound_relax_factor": 0.0,

@@ -159,12 +159,11 @@ def rank_configurations(
     starts = [branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
     tracks, branches = _follow(cell, motion, starts)
     good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
-    combinations = int(np.prod([len(of_robot) for of_robot in good]))
-    ranked = []
-    for number, choice in enumerate(product(*good)):
-        progress(number, combinations)
+    choices, ranked = [*product(*good)], []
+    for number, choice in enumerate(choices):
+        progress(number, len(choices))
         ranked.append(_evaluate(cell, motion, tracks, choice, options))
-    progress(combinations, combinations)
+    progress(len(choices), len(choices))
     return ConfigurationStudy(branches, tuple(sorted(ranked, key=lambda one: -one.c2_upper)))
 
 

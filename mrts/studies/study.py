@@ -141,8 +141,6 @@ class Study:
             rule = f"must be a block of the variants 0 to {self.variants}, the first one and the first left out."
             raise InputError("first, last", rule, value=(first, last))
         distributions = [parameter.distribution for parameter in self.parameters]
-        if first == last:
-            return np.empty((0, len(distributions)))
         return sample_points(distributions, self.sample, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
