@@ -85,18 +85,15 @@ def motion_remarks(
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
     fastest, units = float(np.max(np.abs(motion.dq), initial=0.0)), _position_units(cell)
     remarks = []
-    for what, sample, why in (
-        ("start", 0, "from standstill the velocity would jump there"),
-        ("end", motion.samples - 1, "the velocity would jump to zero there"),
-    ):
+    for what, sample in (("start", 0), ("end", motion.samples - 1)):
         joint = int(np.argmax(np.abs(motion.dq[sample])))
         speed = abs(float(motion.dq[sample, joint]))
         if speed > ENDS_AT_REST * fastest:
             text = (
                 f"the motion does not {what} at rest: {cell.joint_names[joint]} moves at {speed:.3g} "
-                f"{units[joint]}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
-                f"speed {why}. Give a motion that is at rest at both ends (a table of few rows: with its velocities), "
-                "or make sure that the robots move already."
+                f"{units[joint]}/s at t = {motion.object.time[sample]:.4g} s. From or to standstill the velocity would "
+                "jump there, at every factor of speed. Give a motion that is at rest at both ends (a table of few "
+                "rows: with its velocities), or make sure that the robots move already."
             )
             remarks.append(Remark("not-at-rest", text, sample))
     return remarks
