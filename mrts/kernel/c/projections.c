@@ -25,10 +25,11 @@ typedef struct {
 /* Reals of a polytope's memory. */
 #define MRTS_POLYTOPE_WORK(k, rows) ((rows) * (k) + 2 * ((rows) + (k)))
 
-/* The bases of a projection's corners, from the first of which the next projection starts; none for a cold start. */
+/* A projection's corners with their bases, from which the next projection starts; none for a cold start. */
 typedef struct {
     int count;
-    int *basis; /* (MRTS_CORNERS, k) */
+    int *basis;       /* (MRTS_CORNERS, k) */
+    const double *at; /* (MRTS_CORNERS, 2) */
 } mrts_outline;
 
 #define MRTS_OUTLINE_IWORK(k) (MRTS_CORNERS * (k))
@@ -80,6 +81,18 @@ static int mrts_keeps_limits(const mrts_polytope *in, const double *z) {
         if (!(value - high <= MRTS_FEASIBLE * (1 + MRTS_ABS(high)))) return 0;
     }
     return 1;
+}
+
+/* The basis of the corner of an outline that lies furthest in a direction, or another where there is none. */
+static const int *mrts_towards(int k, const mrts_outline *outline, const double *direction, const int *other) {
+    double most = -MRTS_INFINITY;
+    for (int i = 0; i < outline->count; ++i) {
+        const double along = direction[0] * outline->at[2 * i] + direction[1] * outline->at[2 * i + 1];
+        if (!(along > most)) continue;
+        most = along;
+        other = outline->basis + i * k;
+    }
+    return other;
 }
 
 /* The corner that lies furthest in a direction, by a linear program from the basis that it holds (basis[0] == 0: cold);
@@ -149,14 +162,15 @@ static int mrts_is_final(const mrts_polytope *in, const mrts_polygon *of, int at
     return mrts_is_furthest(in, of, p, normal) || mrts_is_furthest(in, of, q, normal);
 }
 
-/* The corners furthest along the axes, the first from a basis (basis[0] == 0: cold); a status of mrts_lp. */
-static int mrts_axis_corners(const mrts_polytope *in, const int *basis, mrts_polygon *found) {
+/* The corners furthest along the axes, started from those of an outline (none: cold); a status of mrts_lp. */
+static int mrts_axis_corners(const mrts_polytope *in, const mrts_outline *outline, mrts_polygon *found) {
     static const double axes[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     for (int d = 0; d < 4; ++d) {
         const int n = found->count;
         const mrts_corner corner = mrts_corner_at(found, n), before = mrts_corner_at(found, n > 0 ? n - 1 : 0);
         if (n > 0 && mrts_is_furthest(in, found, before, axes[d])) continue;
-        for (int j = 0; j < in->k; ++j) corner.basis[j] = n > 0 ? before.basis[j] : basis[j];
+        const int *start = mrts_towards(in->k, outline, axes[d], n > 0 ? before.basis : outline->basis);
+        for (int j = 0; j < in->k; ++j) corner.basis[j] = start[j];
         const int status = mrts_furthest(in, found, axes[d], corner);
         if (status != MRTS_OPTIMAL) return status;
         if (n > 0 && mrts_same_corner(corner.at, before.at)) continue;
@@ -172,15 +186,16 @@ static int mrts_axis_corners(const mrts_polytope *in, const int *basis, mrts_pol
     return MRTS_OPTIMAL;
 }
 
-/* Corners outward of the edges until nothing lies outside; a status of mrts_lp. */
-static int mrts_close(const mrts_polytope *in, mrts_polygon *of) {
+/* Corners outward of the edges, started from those of an outline, until nothing lies outside; a status of mrts_lp. */
+static int mrts_close(const mrts_polytope *in, const mrts_outline *outline, mrts_polygon *of) {
     int at = 0;
     while (of->count > 1) {
         double normal[2];
         if (of->count < MRTS_CORNERS && !mrts_is_final(in, of, at, normal)) {
             const mrts_corner p = mrts_corner_at(of, at), q = mrts_corner_at(of, of->next[at]);
             const mrts_corner r = mrts_corner_at(of, of->count);
-            for (int j = 0; j < in->k; ++j) r.basis[j] = p.basis[j];
+            const int *start = mrts_towards(in->k, outline, normal, p.basis);
+            for (int j = 0; j < in->k; ++j) r.basis[j] = start[j];
             const int status = mrts_furthest(in, of, normal, r);
             if (status != MRTS_OPTIMAL) return status;
             const double beyond = normal[0] * (r.at[0] - p.at[0]) + normal[1] * (r.at[1] - p.at[1]);
@@ -204,8 +219,8 @@ static int mrts_project(const mrts_polytope *in, mrts_outline *outline, int *cou
     found.places = work + MRTS_LP_WORK(k) + 3 * k;
     found.bases = iwork + MRTS_LP_IWORK(k, in->rows);
     if (outline->count == 0) outline->basis[0] = 0;
-    int status = mrts_axis_corners(in, outline->basis, &found);
-    if (status == MRTS_OPTIMAL) status = mrts_close(in, &found);
+    int status = mrts_axis_corners(in, outline, &found);
+    if (status == MRTS_OPTIMAL) status = mrts_close(in, outline, &found);
     outline->count = status == MRTS_OPTIMAL ? found.count : 0;
     *count = outline->count;
     for (int i = 0, at = 0; i < outline->count; ++i, at = found.next[at]) {
@@ -214,6 +229,7 @@ static int mrts_project(const mrts_polytope *in, mrts_outline *outline, int *cou
         corners[2 * i + 1] = corner.at[1];
         for (int j = 0; j < k; ++j) outline->basis[i * k + j] = corner.basis[j];
     }
+    outline->at = corners;
     return status;
 }
 
@@ -456,7 +472,7 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
                                     double *work, int *iwork) {
     const mrts_polytopes of = {count, k, all, rows, which, A, lower, upper, scale, least, most};
     double *project_work = work + MRTS_POLYTOPE_WORK(k, rows);
-    mrts_outline outline = {0, iwork};
+    mrts_outline outline = {0, iwork, corners};
     int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
     const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
     mrts_lane_polytopes lanes =
@@ -474,6 +490,7 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
             for (int i = 0; i < outline.count; ++i) {
                 mrts_take_lane(2, lanes.corner + i * MRTS_LANE_CORNER(k), lane, found + 2 * i);
             }
+            outline.at = found;
             corner_count[n] = outline.count;
             status[n] = MRTS_OPTIMAL;
             continue;
