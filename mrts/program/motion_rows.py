@@ -276,7 +276,8 @@ def motion_rows(
     given, samples, motors = limit_rows(cell, motion), motion.samples, motor_terms(cell, motion)
     given = given.only(few_sides(given.names)) if circles else given
     size = given.units
-    rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
+    rows, unit, is_cap = given, size, np.zeros(len(size), dtype=bool)
+    share, code = np.zeros((samples, 0)), np.zeros((samples, 0), dtype=np.intp)
     if given.speed is not None or given.square is not None:
         alone, by_speed = given.is_of_speed, moved(given.speed, len(size))
         mixed = by_speed & (~alone | moved(given.square, len(size)))
@@ -288,10 +289,9 @@ def motion_rows(
         least, most = rows.lower[places], rows.upper[places]
         passed = np.any(square > 0, axis=0) & (most <= 0) | np.any(square < 0, axis=0) & (least >= 0)
         caps = (least <= 0) & (most >= 0) & ~passed
-        is_cap[places], square = caps, square[:, caps]
-    places = is_cap.nonzero()[0]
-    share = side_share(square, rows.lower[places], rows.upper[places])
-    code = np.where(square > 0, 1 + places, -1 - places)
+        is_cap[places], square, places = caps, square[:, caps], places[caps]
+        share = side_share(square, rows.lower[places], rows.upper[places])
+        code = np.where(square > 0, 1 + places, -1 - places)
     return MotionRows(
         cell=cell,
         motion=motion,
