@@ -165,17 +165,16 @@ class ChangeControls:
             chosen[:] = on_offer.get(value, [])
             return now
 
-        self._bind(menu, lambda _: menu.value, choose)
-        self._bind_limits(slider, chosen)
-
-    def _bind_limits(self, slider: viser.GuiSliderHandle[float], names: list[Changed]) -> None:
+        def read(now: Choices) -> float:
+            return round(100 * now.limits.get(chosen[0], 1.0), DECIMALS) if chosen else 100.0
 
         def apply(now: Choices, value: float) -> Choices:
-            for name in names:
+            for name in chosen:
                 now = now.with_limit(name, value / 100)
             return now
 
-        self._bind(slider, lambda now: round(100 * now.limits.get(names[0], 1.0), DECIMALS) if names else 100.0, apply)
+        self._bind(menu, lambda _: menu.value, choose)
+        self._bind(slider, read, apply)
 
     def _add_places(self) -> None:
         found = {str(place): place for place in places(self._given)}
