@@ -3,6 +3,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -13,7 +14,7 @@ from mrts.base.formats.record import Pose, Record, Rule
 from mrts.base.input_file import plain
 from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable
-from mrts.motion.object_courses import geodesic_motion, waypoint_motion
+from mrts.motion.object_courses import ProfiledPath, geodesic_rates, waypoint_rates
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.ros_messages import is_bag, read_joint_trajectories
 from mrts.motion.velocity_profile import PROFILES
@@ -173,14 +174,10 @@ def sample_motion(description: MotionDescription) -> ObjectMotion:
     if description.profile is None or description.duration is None:
         raise InputError("description", "is that of a table; read it with load_motion.")
     poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
-    through = waypoint_motion if description.waypoints else geodesic_motion
-    motion = through(
-        np.array([pose.xyz for pose in poses]),
-        np.array([pose.rotation() for pose in poses]),
-        PROFILES[description.profile],
-        description.duration,
-        description.samples or DEFAULT_SAMPLES,
-    )
+    through = np.array([pose.xyz for pose in poses]), np.array([pose.rotation() for pose in poses])
+    rates = waypoint_rates(*through) if description.waypoints else partial(geodesic_rates, *through)
+    path = ProfiledPath(rates, PROFILES[description.profile], description.duration)
+    motion = path.evenly(description.samples or DEFAULT_SAMPLES)
     names = [f"waypoints[{index}]" for index in range(len(poses))] if description.waypoints else ["start", "end"]
     written = tuple(
         remark

@@ -90,20 +90,10 @@ def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, 
     )
 
 
-def geodesic_motion(
-    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
-) -> ObjectMotion:
-    """Samples along the geodesic between two poses, Shape (2, 3) [m] and (2, 3, 3), evenly spaced in a duration [s]."""
-    return ProfiledPath(partial(geodesic_rates, positions, rotations), profile, duration).evenly(samples)
+def waypoint_rates(positions: Array, rotations: Array) -> Callable[[float, Fractions], ObjectRates]:
+    """Through M poses, Shape (M, 3) [m] and (M, 3, 3), on a C² path of splines, as `ProfiledPath.rates`.
 
-
-def waypoint_motion(
-    positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
-) -> ObjectMotion:
-    """Samples of a motion through M poses on a C² path of splines, evenly spaced in a duration [s].
-
-    The path parameter is the distance along the waypoints, Shape (M, 3) [m] and (M, 3, 3), a turn counted by
-    `ROTATION_LENGTH`; the profile runs it from the first to the last.
+    The path parameter is the distance along the waypoints, a turn counted by `ROTATION_LENGTH`.
 
     Raises:
         InputError: If two waypoints that follow each other are the same.
@@ -119,7 +109,7 @@ def waypoint_motion(
     knots = np.concatenate([[0.0], np.cumsum(spacing)]) / np.sum(spacing)
     line = CubicSpline(knots, positions, bc_type="natural")
     turn = RotationSpline(knots, Rotation.from_matrix(rotations))
-    return ProfiledPath(partial(_spline_rates, line, turn), profile, duration).evenly(samples)
+    return partial(_spline_rates, line, turn)
 
 
 def _spline_rates(line: Spline, turn: Callable[..., Any], duration: float, fractions: Fractions) -> ObjectRates:

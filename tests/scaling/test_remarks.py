@@ -3,13 +3,14 @@
 import csv
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 import mrts
 from mrts.base.errors import Remark
-from mrts.motion.object_courses import geodesic_motion, spline_motion
+from mrts.motion.object_courses import ProfiledPath, geodesic_rates, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.report import report_html
 
@@ -24,7 +25,8 @@ def codes(result):
 
 def straight_lift(profile="quintic", duration=1.0, samples=101):
     ends = np.array([[1.25, 1.0, 0.0], [1.25, 1.5, 0.0]])
-    return geodesic_motion(ends, np.tile(np.eye(3), (2, 1, 1)), PROFILES[profile], duration, samples)
+    rates = partial(geodesic_rates, ends, np.tile(np.eye(3), (2, 1, 1)))
+    return ProfiledPath(rates, PROFILES[profile], duration).evenly(samples)
 
 
 def table(path, time, heights):
