@@ -104,7 +104,7 @@ class _Search:
     @cached_property
     def ends(self) -> tuple[float, float]:
         """σ̇² at both ends."""
-        given = np.array(self.asked.end_speeds) * self.piece.given_rate[[0, -1]]
+        given = np.array(self.asked.end_speeds) * self.piece.speed[[0, -1]]
         start, end = np.where(self.piece.rests, 0.0, given**2).tolist()
         return start, end
 
@@ -175,7 +175,7 @@ class _Search:
         if obstacle.kind != "segment":
             return self._wrong_end(obstacle)
         conflict = self._conflict(k, reach)
-        low, high = (np.sqrt(x) / self.piece.given_rate[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
+        low, high = (np.sqrt(x) / self.piece.speed[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
         why = (
             f"no speed at {self._place(k)} leads on to where the end can still be reached, ṙ in [{low:.6g}, "
             f"{high:.6g}] at the next sample{_rows(conflict)}. Change the path or its end speeds, or raise a limit."
@@ -184,7 +184,7 @@ class _Search:
 
     def _wrong_end(self, obstacle: Obstacle) -> _Reason:
         start = obstacle.kind == "start"
-        speed, given = self.piece.given_rate[obstacle.sample], self.ends[0 if start else 1]
+        speed, given = self.piece.speed[obstacle.sample], self.ends[0 if start else 1]
         place, status = self._place(obstacle.sample), RetimingStatus.START_SPEED if start else RetimingStatus.END_SPEED
         conflict = self._conflict(obstacle.sample, obstacle.next_reach, given)
         if given == 0:

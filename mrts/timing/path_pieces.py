@@ -80,12 +80,6 @@ class PathPiece:
         """Δσ of each segment, Shape (n - 1,)."""
         return np.diff(self.path.object.time)
 
-    @property
-    def given_rate(self) -> Array:
-        """dσ/dr at the samples, where the path does not stand still by σ, Shape (n,)."""
-        rate: Array = self.speed / self.arc_speed
-        return rate
-
 
 class PathError(MrtsError):
     """A motion is no path: of "zero length", or "stationary" where it stands still or turns back between samples."""
