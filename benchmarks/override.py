@@ -15,8 +15,8 @@ from mrts.base.arrays import Array
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.override.speed_override import random_wishes, wanted_at_ticks
 from mrts.override.tables import TICK
+from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
-from mrts.program.widening import motion_widening
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 DATA = Path(mrts.__file__).parent / "data"

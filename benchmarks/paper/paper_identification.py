@@ -179,8 +179,8 @@ class Search:
         high = np.concatenate([high, np.broadcast_to([*bounds, FAR], (count, samples, 4))], axis=2)
         programs = count * samples
         g = np.tile([0.0, 0.0, 0.0, -1.0], (programs, 1))
-        x, _, status = self.kernel.linear_programs(
-            g, A.reshape(programs, 9, 4), low.reshape(programs, 13), high.reshape(programs, 13)
+        x, _, status = self.kernel.solve(
+            None, g, A.reshape(programs, 9, 4), low.reshape(programs, 13), high.reshape(programs, 13)
         )
         undecided = int(np.count_nonzero(~np.isin(status.reshape(count, samples)[reach], (OPTIMAL, INFEASIBLE))))
         if undecided:

@@ -52,7 +52,7 @@ def with_arms(few: mrts.CoordinatedMotion, arms: int, samples: int, repeats: int
         end = whole.upper.c2 if whole.upper else float("nan")
         print(
             f"  {number} arms, {6 * (int(number) - 1) + 1:>2} unknowns{1e6 * seconds / samples:>8.2f} µs a sample"
-            f"   ({whole.status.value}, c²⁺ = {end:.4g}, {whole.samples.fallbacks} left to other solvers)"
+            f"   ({whole.status.value}, c²⁺ = {end:.4g})"
         )
 
 

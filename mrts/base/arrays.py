@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Arrays of floating-point numbers: what nobody may write to, what JSON says of them, and products at every sample."""
 
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Owner = TypeVar("Owner")
 
 
 def freeze(owner: object) -> None:
@@ -14,6 +17,15 @@ def freeze(owner: object) -> None:
     for value in vars(owner).values():
         if isinstance(value, np.ndarray):
             value.setflags(write=False)
+
+
+def with_part(owner: Owner, arrays: Iterable[str], part: Any, **changes: Any) -> Owner:
+    """A dataclass with a part of each of these arrays, where they are not None, and other changes; as numpy indexes."""
+    for name in arrays:
+        array = getattr(owner, name)
+        if array is not None:
+            changes[name] = array[part]
+    return replace(owner, **changes)  # type: ignore[type-var]  # it is a dataclass
 
 
 class EqualByNumbers:

@@ -182,7 +182,7 @@ class Robot(MadeAgain):
     @property
     def turns(self) -> NDArray[np.bool_]:
         """Which joints are revolute, Shape (n_i,)."""
-        return np.array([kind == "revolute" for kind in self.joint_types])
+        return np.asarray(np.array(self.joint_types) == "revolute")
 
     @cached_property
     def position_units(self) -> tuple[str, ...]:

@@ -101,7 +101,7 @@ def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **give
     """
     from mrts.motion.motion_file import load_motion
     from mrts.plots.card import answer_card
-    from mrts.scaling.result import ScalingResult, fallbacks_text
+    from mrts.scaling.result import ScalingResult
     from mrts.scaling.scale import SelectionError
 
     _check(profile, given)
@@ -138,10 +138,7 @@ def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **give
         _write(outputs, found, plan, files, search, merged="merged" in how)
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
-    code = outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
-    if isinstance(found, ScalingResult) and found.fallbacks and outputs.json_text is None:
-        warn(fallbacks_text(found.fallbacks))
-    return code
+    return outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
 
 
 def _words(

@@ -98,7 +98,7 @@ class CoordinatedMotion:
         of = self.object
         some = unchecked_object_motion(
             np.arange(len(samples), dtype=np.float64),
-            *[values[samples] for values in (of.position, of.rotation, of.twist, of.acceleration)],
+            *(of.position[samples], of.rotation[samples], of.twist[samples], of.acceleration[samples]),
         )
         travel = None if self.travel is None else self.travel[:, samples]
         return unchecked_coordinated_motion(some, self.q[samples], self.dq[samples], self.ddq[samples], travel)
@@ -195,19 +195,14 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     if failure is not None:
         check_motion(cell, motion)  # an arm that could follow none is told of as such
         raise MotionError(failure.message)
-    q, dq, ddq, outcome = (part[0] for part in (tracked.q, tracked.dq, tracked.ddq, tracked.outcome))
-    others = zip(cell.robots, outcome["start"].tolist(), strict=True)
-    remarks = tuple(
-        Remark(
-            "other-start",
-            f"robot '{robot.name}' does not reach its grasp at t = 0 from its posture inside its joint limits: it "
-            f"starts at the nearest positions that {FURTHER_STARTS} further starts led to.",
-            0,
+    remarks = motion.remarks
+    for place in np.flatnonzero(tracked.outcome[0]["start"]).tolist():
+        told = (
+            f"robot '{cell.robots[place].name}' does not reach its grasp at t = 0 from its posture inside its joint "
+            f"limits: it starts at the nearest positions that {FURTHER_STARTS} further starts led to."
         )
-        for robot, start in others
-        if start
-    )
-    return unchecked_coordinated_motion(motion, q, dq, ddq, None, motion.remarks + remarks)
+        remarks += (Remark("other-start", told, 0),)
+    return unchecked_coordinated_motion(motion, tracked.q[0], tracked.dq[0], tracked.ddq[0], None, remarks)
 
 
 def carried_by_first(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> CoordinatedMotion:

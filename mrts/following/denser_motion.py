@@ -130,7 +130,7 @@ def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: A
     step = (known[end] - known[start])[:, None]
     u = (at - known[start]) / step[:, 0]
     ends = np.stack([dq[start], step * ddq[start], dq[end], step * ddq[end]])
-    way, rate, change = (np.einsum("kb,bkm->km", weight, ends) for weight in polynomial_weights(u).swapaxes(0, 1))
+    way, rate, change = np.einsum("kcb,bkm->ckm", polynomial_weights(u), ends)
     missed = q[end] - q[start] - step * np.einsum("b,bkm->km", WHOLE_WAY, ends)
     return q[start] + step * way + u[:, None] * missed, rate, change / step
 
@@ -143,7 +143,8 @@ def polynomial_weights(u: Array) -> Array:
     powers, u = np.arange(4), u[:, None]
     raised = u**powers
     lowered = np.where(powers > 0, powers * u ** np.maximum(powers - 1, 0), 0.0)
-    return np.stack([basis @ HERMITE.T for basis in (raised * u / (powers + 1), raised, lowered)], axis=1)
+    weights: Array = np.stack([raised * u / (powers + 1), raised, lowered], axis=1) @ HERMITE.T
+    return weights
 
 
 WHOLE_WAY = polynomial_weights(np.ones(1))[0, 0]
@@ -181,12 +182,12 @@ def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
         return None
     middle = len(given.time) // 2
     own = np.array([0, middle, -1])
-    found = given.course(np.concatenate([given.time[own], time]))
+    found, parts = given.course(np.concatenate([given.time[own], time])), list[Array]()
     for there, known in zip(found, (given.position, given.rotation, given.twist, given.acceleration), strict=True):
         if np.abs(there[:3] - known[own]).max() > SAME_COURSE * max(1.0, float(np.abs(known).max())):
             return None
-    position, rotation, twist, acceleration = (there[3:] for there in found)
-    return unchecked_object_motion(time, position, rotation, twist, acceleration)
+        parts.append(there[3:])
+    return unchecked_object_motion(time, *parts)
 
 
 def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:

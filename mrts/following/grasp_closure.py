@@ -202,10 +202,9 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
         near = np.all(np.max(grasp_gaps(cell, target, tips), axis=(1, 2)) <= gaps)
         return bool(near) and slip(cell, target, tips, (share, share), REST_SLIP) is None
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
-    distance, angle, *rates = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
-    slips = zip(rates[::2], rates[1::2], strict=True)
-    fits = all((off <= np.maximum(share * size, REST_SLIP)).all() for size, off in slips)
-    return bool((distance <= gaps[0]).all() and (angle <= gaps[1]).all() and fits)
+    sizes = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
+    fits = sizes[3::2] <= np.maximum(share * sizes[2::2], REST_SLIP)
+    return bool((sizes[:2] <= np.reshape(gaps, (2, 1))).all() and fits.all())
 
 
 def _check_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion], where: str) -> None:

@@ -14,7 +14,6 @@ where x⁺ and x⁻ grow from 0 to 1 over the zone beside the upper and the lowe
 along the path, give q' and q'' (kernel/c/tracking.c).
 """
 
-import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -28,6 +27,7 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.kernel import tracking
+from mrts.kernel.binding import filled
 from mrts.kernel.tracking import PATH, follow_variants, hold_grasps
 from mrts.motion.object_motion import ObjectMotion
 
@@ -210,12 +210,6 @@ class TrackedVariants:
         return self.of_arm(variant, int(np.argmax(on_the_way if np.any(on_the_way) else ends)))
 
 
-def limit_zone(robot: Robot) -> Array:
-    """Width of the zone beside each joint's position limits, Shape (n_i,) [rad or m]."""
-    zone: Array = np.clip(LIMIT_ZONE * (robot.position_upper - robot.position_lower), NARROWEST_ZONE, WIDEST_ZONE)
-    return zone
-
-
 def is_redundant(cell: Cell, robot: Robot) -> bool:
     """Whether an arm has more joints than its wrench has components."""
     return len(robot.joints) > len(cell.wrench_components)
@@ -223,10 +217,10 @@ def is_redundant(cell: Cell, robot: Robot) -> bool:
 
 def tracking_rule(cell: Cell) -> Any:
     """How the arms of a cell hold their grasps and follow, as C reads it."""
-    parts = ((of.position_lower, of.position_upper, limit_zone(of), of.turns) for of in cell.robots)
-    arrays = [np.concatenate(part) for part in zip(*parts, strict=True)]
-    *wish, turns = (array.ctypes.data for array in arrays)
-    task = tracking.TRACKING(
+    lower, upper = map(cell.stacked, ("position_lower", "position_upper"))
+    zone = np.clip(LIMIT_ZONE * (upper - lower), NARROWEST_ZONE, WIDEST_ZONE)
+    task = filled(
+        tracking.TRACKING,
         steps=TRACKING_STEPS,
         settled=SETTLED,
         longest=STEP_LIMIT,
@@ -235,13 +229,18 @@ def tracking_rule(cell: Cell) -> Any:
         jump=JUMP_LIMIT,
         drift=SETTLED_PREFERENCE,
         fold=FOLD,
-        components=(ctypes.c_int * 6)(*cell.wrench_rows),
-        wish=tracking.PREFERENCE(*wish, LIMIT_PUSH),
-        geometry=cell.geometry.ctypes.data,
+        components=tuple(cell.wrench_rows),
+        wish=filled(tracking.PREFERENCE, lower=lower, upper=upper, zone=zone, push=LIMIT_PUSH),
+        geometry=cell.geometry,
     )
-    rule = tracking.FOLLOWING(task, STARTING_STEPS, 0, FURTHER_STEPS, POSITION_TOLERANCE, turns)
-    rule.alive = arrays, cell.geometry
-    return rule
+    return filled(
+        tracking.FOLLOWING,
+        task=task,
+        start_steps=STARTING_STEPS,
+        further_steps=FURTHER_STEPS,
+        past=POSITION_TOLERANCE,
+        turns=cell.stacked("turns"),
+    )
 
 
 def solve_grasps(

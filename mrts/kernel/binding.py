@@ -5,7 +5,7 @@ import ctypes
 import re
 import threading
 from collections.abc import Callable
-from functools import cache, lru_cache
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from mrts.kernel.c_text import one_text
 
 NUMBERS: dict[str, Any] = {"int": ctypes.c_int, "long long": ctypes.c_longlong, "double": ctypes.c_double}
 NUMBERS |= {"short": ctypes.c_short, "float": ctypes.c_float, "cell_status": ctypes.c_int}
-NUMBERS |= dict.fromkeys(("mrts_real", "cell_real"), ctypes.c_double)
+NUMBERS |= {"unsigned char": ctypes.c_ubyte, **dict.fromkeys(("mrts_real", "cell_real"), ctypes.c_double)}
 
 FUNCTION = re.compile(
     r"\n(?:MRTS_EXPORT (void|int|long long)|(cell_real|cell_status)) ((?:mrts|cell)_\w+)\(([^{};]*)\) \{"
@@ -38,8 +38,29 @@ def _address(value: object) -> object:
     return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
 
 
+ARRAYS = (np.ndarray, list)
+
+
+def _given(kind: Any) -> Any:
+    """The type of parameters that point at numbers that C reads: what is given is made an array of these."""
+    of = np.dtype(kind)
+
+    def read(value: object) -> object:
+        if not isinstance(value, ARRAYS):
+            return _address(value)
+        array = np.ascontiguousarray(value, dtype=of)
+        found: Any = address(array)
+        if array is not value:
+            found.array = array
+        return found
+
+    return type("Given", (), {"from_param": staticmethod(read)})
+
+
 ADDRESS: Any = type("Address", (), {"from_param": staticmethod(_address)})
-"""The type of parameters that are pointers."""
+"""The type of other parameters that are pointers."""
+
+GIVEN: Any = {name: _given(kind) for name, kind in NUMBERS.items()}
 
 
 def bind(library: ctypes.CDLL, files: tuple[str, ...]) -> ctypes.CDLL:
@@ -59,7 +80,10 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
     found = []
     for ours, exported, name, parameters in FUNCTION.findall(one_text(files)):
         given = [] if parameters == "void" else parameters.split(",")
-        kinds = [ADDRESS if "*" in one else NUMBERS.get(" ".join(one.split()[:-1]), ADDRESS) for one in given]
+        kinds = []
+        for one in given:
+            constant, kind, pointer = re.findall(r"(const )?(\w[\w ]*?) (?=(\*|\w+\[)?)\S+$", one.strip())[0]
+            kinds.append((GIVEN if constant and pointer else {} if pointer else NUMBERS).get(kind, ADDRESS))
         found.append((name, NUMBERS.get(ours or exported), kinds))
     return found
 
@@ -68,11 +92,11 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
 def structure(file: str, name: str, **sizes: int) -> Any:
     """The class of a structure that a file of mrts/kernel/c defines or includes; pointers are addresses.
 
-    Sizes are those of arrays that C knows by macros.
+    Sizes are those of arrays that C knows by macros. `arrays` of the class has the numbers that pointers point at.
     """
     found = re.search(rf"typedef struct {{([^}}]*)}} {name};", one_text((file,)))
     assert found is not None, name  # noqa: S101 (names of ours)
-    fields: list[tuple[str, Any]] = []
+    fields, arrays = list[tuple[str, Any]](), dict[str, Any]()
     body = re.sub(r"/\*.*?\*/|^#.*?$", "", found.group(1), flags=re.DOTALL | re.MULTILINE)
     for declaration in body.split(";")[:-1]:
         kind, *declarators = re.split(r"\s(?=\**\w+(?:\[\w+\])*(?:,|$))", declaration.strip().removeprefix("const "))
@@ -82,22 +106,25 @@ def structure(file: str, name: str, **sizes: int) -> Any:
             for length in reversed(re.findall(r"\w+", lengths)):
                 of *= int(length) if length.isdigit() else sizes[length]
             fields.append((field, of))
-    return type(name, (ctypes.Structure,), {"_fields_": fields})
+            if stars and kind in NUMBERS:
+                arrays[field] = np.dtype(NUMBERS[kind])
+    return type(name, (ctypes.Structure,), {"_fields_": fields, "arrays": arrays})
 
 
 def filled(kind: Any, **values: Any) -> Any:
-    """A structure of numbers and of addresses of arrays, contiguous and of the C's types, which it keeps alive."""
-    made = kind(**{name: address(of) if isinstance(of, np.ndarray) else of for name, of in values.items()})
-    made.kept = values
+    """A structure of numbers, structures and arrays, made contiguous and of the C's numbers; it keeps them alive."""
+    numbers, kept = dict(values), []
+    for name, of in kind.arrays.items():
+        if values.get(name) is not None:
+            kept.append(np.ascontiguousarray(values[name], dtype=of))
+            numbers[name] = address(kept[-1])
+    made = kind(**numbers)
+    made.kept = values, kept
     return made
 
 
 INFINITY = 1e300
 """What an absent limit is in C, or its negative; `MRTS_INFINITY` of numbers.h."""
-
-KNOWN_SIZES = 1024
-"""Sizes of work arrays that are kept, of the libraries asked last: each call would ask C for its own again."""
-
 
 FREED = 1 << 24
 """Bytes of the block that is freed once. The system's C library keeps twice as many for later arrays."""
@@ -114,15 +141,9 @@ def keep_freed_memory() -> None:
 
 def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArray[Any]]:
     """The work arrays that a function of the kernel asks for by its `_work`, for some sizes: reals, and ints, zeros."""
-    reals, ints = _work(library, function, sizes)
-    return [np.empty(reals), np.zeros(ints, dtype=np.int32)]
-
-
-@lru_cache(maxsize=KNOWN_SIZES)
-def _work(library: ctypes.CDLL, function: str, sizes: tuple[int, ...]) -> tuple[int, int]:
     reals, ints = ctypes.c_longlong(), ctypes.c_longlong()
     getattr(library, f"{function}_work")(*sizes, ctypes.byref(reals), ctypes.byref(ints))
-    return reals.value, ints.value
+    return [np.empty(reals.value), np.zeros(ints.value, dtype=np.int32)]
 
 
 def interruptible(call: Callable[[], int]) -> int:

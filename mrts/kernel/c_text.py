@@ -65,16 +65,6 @@ def one_text(names: tuple[str, ...]) -> str:
     return "\n".join(text(name) for name in names)
 
 
-def programs_source() -> str:
-    """The C text of the library of programs."""
-    return one_text(PROGRAM_FILES)
-
-
-def smooth_source() -> str:
-    """The C text of the library of smooth timing."""
-    return SMOOTH_LEVEL + one_text((SMOOTH,))
-
-
 def motion_macros(manifest: Manifest) -> dict[str, int | str]:
     """Sizes of a cell and its generated functions, as far as the motion of its joints takes them."""
     symbol = {name: record.symbol for name, record in manifest.functions.items()}

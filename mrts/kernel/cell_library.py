@@ -2,7 +2,7 @@
 """A cell's generated C and our kernel in one shared library: whole trajectories in one foreign call."""
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ def sparse_limits(
     matrix: Array,
     lower: Array,
     upper: Array,
-    group: Sequence[str],
+    group: Sequence[int],
     base: Array | None = None,
     axes: Sequence[int] = (0, 1, 2),
 ) -> Any:
@@ -47,7 +47,7 @@ def sparse_limits(
             (r, m + 2 n w).
         lower: Shape (r,), minus infinity where unbounded.
         upper: Shape (r,), infinity where unbounded.
-        group: Of each row, such as "N m": a limit of zero is measured by the largest of its group.
+        group: Number of each row's group, from 0: a limit of zero is measured by the largest of its group.
         base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None where no row is in
             object axes.
         axes: x, y, z (0, 1, 2) in the order in which a triple of a wrench has them.
@@ -58,18 +58,17 @@ def sparse_limits(
     if not (lower <= upper).all():
         raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
     row, column = np.nonzero(matrix)
-    units = list(dict.fromkeys(group))
     return filled(
         LIMITS,
         rows=len(matrix),
-        start=np.append(0, np.cumsum(np.bincount(row, minlength=len(matrix)))).astype(np.int32),
-        column=column.astype(np.int32),
-        value=np.ascontiguousarray(matrix[row, column]),
+        start=np.append(0, np.cumsum(np.bincount(row, minlength=len(matrix)))),
+        column=column,
+        value=matrix[row, column],
         lower=np.maximum(lower, -INFINITY),
         upper=np.minimum(upper, INFINITY),
-        group=np.array([units.index(unit) for unit in group], dtype=np.int32),
-        base=None if base is None else np.ascontiguousarray(base),
-        axes=np.array(axes, dtype=np.int32),
+        group=group,
+        base=base,
+        axes=axes,
     )
 
 
@@ -110,14 +109,16 @@ class CellLibrary:
         """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
-        outputs = {short: np.empty((samples, columns, rows)) for short, (rows, columns) in record.outputs.items()}
-        sizes = (ctypes.c_longlong * len(outputs))(*[rows * columns for rows, columns in record.outputs.values()])
-        places = pointers(list(outputs.values()))
+        outputs, sizes = dict[str, Array](), list[int]()
+        for short, (rows, columns) in record.outputs.items():
+            outputs[short] = np.empty((samples, columns, rows))
+            sizes.append(rows * columns)
+        places = pointers(outputs.values())
         if name == "wrench_form":
-            self.opened.mrts_forms(samples, pointers(given), strides, places, sizes)
+            self.opened.mrts_forms(samples, given, strides, places, sizes)
         else:
-            given_as = len(given), pointers(given), strides
-            self.opened.mrts_map(self.address(name), samples, *given_as, len(outputs), places, sizes)
+            function = self.address(name)
+            self.opened.mrts_map(function, samples, len(strides), given, strides, len(sizes), places, sizes)
         for output, value in outputs.items():
             outputs[output] = value[:, 0] if value.shape[1] == 1 else value.transpose(0, 2, 1)
         return outputs
@@ -143,22 +144,22 @@ class CellLibrary:
         `asked` is what it takes of each sample, `for_all` what it takes besides, `outputs` what it fills; inputs are
         those of the wrench form, by name, limits from `sparse_limits`.
         """
-        each = [np.ascontiguousarray(values) for values in asked]
         given, strides = sample_inputs(self.records["wrench_form"], samples, inputs)
         work = work_arrays(self.opened, name, limits.rows)
-        added = {name: np.ascontiguousarray(of) for name, of in terms.items() if of is not None}
-        where = samples, pointers(given), strides, limits, filled(TERMS, **added)
-        failed = getattr(self.opened, name)(*where, *each, *for_all, *outputs, *work)
+        where = samples, given, strides, limits, filled(TERMS, **terms)
+        failed = getattr(self.opened, name)(*where, *asked, *for_all, *outputs, *work)
         assert not failed  # noqa: S101 (`sparse_limits` has looked at the limits)
 
 
-def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:
-    """Inputs as the generated C reads them (matrices by columns), and how far apart samples lie (0: one for all).
+def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[Any, list[int]]:
+    """`pointers` to inputs as the generated C reads them (matrices by columns), and how far apart samples lie.
+
+    They lie 0 apart where there is one for all.
 
     Raises:
         ValueError: If an input has another shape: the C would read past its end.
     """
-    given, strides = [], []
+    given, strides = list[Array](), list[int]()
     for name, (rows, columns) in record.inputs.items():
         value = np.asarray(inputs[name], dtype=np.float64)
         alone = value.shape == (rows,) and columns == 1
@@ -168,9 +169,11 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
             value = value.reshape(samples, rows, columns).transpose(0, 2, 1)
         given.append(np.ascontiguousarray(value))
         strides.append(0 if alone else rows * columns)
-    return given, (ctypes.c_longlong * len(strides))(*strides)
+    return pointers(given), strides
 
 
-def pointers(arrays: list[Array]) -> Any:
-    """An array of pointers."""
-    return (ctypes.c_void_p * len(arrays))(*map(address, arrays))
+def pointers(arrays: Collection[Array]) -> Any:
+    """An array of pointers to arrays, which it keeps alive."""
+    found: Any = (ctypes.c_void_p * len(arrays))(*map(address, arrays))
+    found.kept = arrays
+    return found

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY, bind, work_arrays
-from mrts.kernel.c_text import PROGRAM_FILES, programs_source
+from mrts.kernel.c_text import PROGRAM_FILES, one_text
 from mrts.kernel.compiler import compiled_library
 
 CORNERS = 64
@@ -25,23 +25,25 @@ class Programs:
     def __init__(self, library: ctypes.CDLL) -> None:
         self._library = bind(library, PROGRAM_FILES)
 
-    def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
-        """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
-        return self._batch("mrts_lp_batch", [g, A, lower, upper])
-
-    def quadratic_programs(
-        self, H: Array, g: Array, A: Array, lower: Array, upper: Array
+    def solve(
+        self, H: Array | None, g: Array, A: Array, lower: Array, upper: Array
     ) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Minimise ½ xᵀHx + gᵀx in every program of a batch.
 
-        H has Shape (N, k, k) and is positive definite, g (N, k), A (N, r, k), the limits of rows and then unknowns
-        (N, r + k).
+        H has Shape (N, k, k) and is positive definite, or is None for gᵀx alone, g has Shape (N, k), A (N, r, k), the
+        limits of rows and then unknowns (N, r + k).
 
         Returns:
             Minimisers, Shape (N, k), multipliers of rows and unknowns, Shape (N, r + k), positive at an upper limit,
             and statuses, Shape (N,).
         """
-        return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
+        count, rows, k = A.shape
+        name, given = ("mrts_lp_batch", [g]) if H is None else ("mrts_qp_batch", [H, g])
+        arrays = [np.clip(array, -INFINITY, INFINITY) for array in (*given, A, lower, upper)]
+        x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
+        work = work_arrays(self._library, name, k, rows)
+        getattr(self._library, name)(count, k, rows, *arrays, x, dual, status, *work)
+        return x, dual, status
 
     def speed_intervals(
         self, A: Array, lower: Array, upper: Array, column: Array, speed: Array, most: Array
@@ -56,10 +58,7 @@ class Programs:
             Shape (N,); multipliers of the rows at both ends, Shape (2, N, r), positive at an upper limit; statuses.
         """
         count, rows, k = A.shape
-        given = [
-            np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY))
-            for array in (A, lower, upper, column, speed, most)
-        ]
+        given = [np.clip(array, -INFINITY, INFINITY) for array in (A, lower, upper, column, speed, most)]
         low, high, gap = np.zeros((3, count))
         dual, status = np.zeros((2, count, rows)), np.full(count, STOPPED, dtype=np.uint8)
         work = work_arrays(self._library, "mrts_interval_batch", k, rows)
@@ -88,11 +87,10 @@ class Programs:
         """
         count, all_rows, k = A.shape
         taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
-        arrays = [np.ascontiguousarray(array) for array in (A, lower, upper, scale, *bounds)]
         number, corners = np.zeros(count, dtype=np.int32), np.empty((count, CORNERS, 2))
         status = np.full(count, STOPPED, dtype=np.uint8)
         work = work_arrays(self._library, "mrts_project_batch", k, len(taken))
-        given = count, k, all_rows, len(taken), taken, *arrays
+        given = count, k, all_rows, len(taken), taken, A, lower, upper, scale, *bounds
         self._library.mrts_project_batch(*given, number, corners, status, *work)
         taken_corners = np.flatnonzero(np.arange(CORNERS) < number[:, None])
         return number, corners.reshape(-1, 2).take(taken_corners, axis=0), status
@@ -117,15 +115,14 @@ class Programs:
         count = len(number)
         start, planes = np.zeros(count + 1, dtype=np.int64), np.empty((len(corners) + 2 * count, 3))
         low, high = np.zeros((2, count))
-        given = [np.ascontiguousarray(array) for array in (number, corners, unit, cap)]
-        self._library.mrts_half_planes(count, *given, box, near, start, planes, low, high)
+        self._library.mrts_half_planes(count, number, corners, unit, cap, box, near, start, planes, low, high)
         return start, planes[: start[-1]], low, high
 
     def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
         """The largest coefficient of each unknown of A, Shape (N, r, k), in some rows, unsigned, Shape (N, k)."""
         count, all_rows, k = A.shape
-        given, effect = np.ascontiguousarray(A), np.zeros((count, k))
-        self._library.mrts_effects(count, k, all_rows, len(rows), np.ascontiguousarray(rows), given, effect)
+        effect = np.zeros((count, k))
+        self._library.mrts_effects(count, k, all_rows, len(rows), rows, A, effect)
         return effect
 
     def backward(
@@ -159,14 +156,6 @@ class Programs:
         self._library.mrts_forward(len(step), *arrays)
         return x
 
-    def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
-        count, rows, k = arrays[-3].shape
-        arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in arrays]
-        x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
-        work = work_arrays(self._library, name, k, rows)
-        getattr(self._library, name)(count, k, rows, *arrays, x, dual, status, *work)
-        return x, dual, status
-
     def _segment_work(self, start: NDArray[np.int64]) -> Array:
         return np.empty(self._library.mrts_segment_work(2 * int(np.diff(start).max())))
 
@@ -191,4 +180,6 @@ def default_programs() -> Programs:
 
 @lru_cache(maxsize=1)
 def _programs_alone() -> Programs:
-    return compiled_library("mrts_programs", programs_source(), lambda library: Programs(ctypes.CDLL(str(library))))
+    return compiled_library(
+        "mrts_programs", one_text(PROGRAM_FILES), lambda library: Programs(ctypes.CDLL(str(library)))
+    )

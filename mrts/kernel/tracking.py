@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Inverse kinematics of many variants along their paths, how far given joints are off (c/tracking.c, c/arm_tips.c)."""
 
-import ctypes
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -53,10 +52,10 @@ def follow_variants(
     }
     arrays, strides = strided(variants, shapes, given)
     rule.further = shapes["further"][0]
-    q, dq, ddq = (np.zeros((variants, samples, m)) for _ in range(3))
+    q, dq, ddq = np.zeros((3, variants, samples, m))
     outcome = np.zeros((variants, library.robots), dtype=OUTCOME)
     outcome["code"][refused] = REFUSED
-    library.opened.mrts_follow(variants, samples, rule, pointers(arrays), strides, q, dq, ddq, outcome)
+    library.opened.mrts_follow(variants, samples, rule, arrays, strides, q, dq, ddq, outcome)
     return q, dq, ddq, outcome
 
 
@@ -80,8 +79,7 @@ def hold_grasps(
     """
     count, m = start.shape
     shapes = {"position": (3,), "rotation": (3, 3), "reference": (m,)}
-    arrays, strides = strided(count, shapes, {"reference": start, **given})
-    places = pointers(arrays)
+    places, strides = strided(count, shapes, {"reference": start, **given})
     if "reference" not in given:
         places[2] = None
     q = np.array(start, dtype=np.float64)
@@ -90,16 +88,16 @@ def hold_grasps(
     return q, gap, turn, drift
 
 
-def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]) -> tuple[list[Array], Any]:
-    """Arrays of many variants as C reads them, and how many reals apart they lie in each (0: the one for all)."""
-    arrays, strides = [], []
+def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]) -> tuple[Any, list[int]]:
+    """`pointers` to arrays of many variants, and how many reals apart these lie in each (0: the one for all)."""
+    arrays, strides = list[Array](), list[int]()
     for name, shape in shapes.items():
         array = np.ascontiguousarray(given[name], dtype=np.float64)
         if array.shape not in {(1, *shape), (count, *shape)}:
             raise ValueError(f"{name} has Shape {array.shape}, not {(count, *shape)}")
         arrays.append(array)
         strides.append(0 if len(array) == 1 else int(np.prod(shape)))
-    return arrays, (ctypes.c_longlong * len(strides))(*strides)
+    return pointers(arrays), strides
 
 
 def closure_sizes(
@@ -116,9 +114,8 @@ def closure_sizes(
     """
     samples = len(position)
     given, strides = sample_inputs(library.records["wrench_form"], samples, inputs)
-    at, placed = np.ascontiguousarray(position), np.ascontiguousarray(geometry)
-    taken, most = np.array(components, dtype=np.int32), np.zeros((library.robots, CLOSURE_SIZES))
-    library.opened.mrts_closure(samples, pointers(given), strides, at, placed, taken, most)
+    most = np.zeros((library.robots, CLOSURE_SIZES))
+    library.opened.mrts_closure(samples, given, strides, position, geometry, [*components], most)
     apart, turned, *rates = most.T
     # |R - S|² of two rotations is 8 sin² of half the angle between them
     return np.stack([np.sqrt(apart), 2 * np.arcsin(np.minimum(np.sqrt(turned / 8), 1.0)), *rates])

@@ -39,9 +39,12 @@ def rows_by_limit(
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion; it names the limit.
     """
-    given = [(limit, limit(cell, motion)) for limit in CELL_LIMITS[first:]]
-    own = [(limit, checked_rows(limit, cell, motion)) for limit in cell.limits]
-    return [(limit, rows) for limit, rows in (*given, *own) if rows is not None]
+    found: list[tuple[Callable[..., object], LimitRows]] = []
+    for limit in (*CELL_LIMITS[first:], *cell.limits):
+        rows = checked_rows(limit, cell, motion) if limit in cell.limits else limit(cell, motion)
+        if rows is not None:
+            found.append((limit, rows))
+    return found
 
 
 def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
@@ -67,4 +70,5 @@ def _fixed(cell: Cell) -> LimitRows:
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """The rows of all that can be limited along a motion, velocities enforced or not, with limits or without."""
     enforced = replace(cell, enforces_velocity_limits=True)
-    return stack_rows([rows for _, rows in rows_by_limit(enforced, motion)])
+    _, pieces = zip(*rows_by_limit(enforced, motion), strict=True)
+    return stack_rows(pieces)

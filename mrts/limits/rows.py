@@ -5,12 +5,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import chain, compress
+from operator import attrgetter
 from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, with_part
 from mrts.base.errors import InputError
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
@@ -22,13 +23,13 @@ FEW = 8
 """Rows of a polygon that are enough to tell its circle."""
 
 
-def polygons(names: Sequence["RowName"]) -> dict["RowName", NDArray[np.intp]]:
+def polygons(names: Sequence["RowName"]) -> dict["RowName", list[int]]:
     """Places of the rows of each name whose rows are sides of a polygon."""
     places: dict[RowName, list[int]] = {}
     for place, name in enumerate(names):
         if name.sides:
             places.setdefault(name, []).append(place)
-    return {name: np.array(own, dtype=np.intp) for name, own in places.items()}
+    return places
 
 
 def few_sides(names: Sequence["RowName"]) -> NDArray[np.bool_]:
@@ -362,36 +363,25 @@ class LimitRows:
         in_circles(self.names, above, below)
         return above, below
 
-    def active(self, row: int, *, upper: bool) -> ActiveRow:
-        """A row at one of its limits."""
-        return ActiveRow.of(self.names[row], float(self.lower[row]), float(self.upper[row]), at_upper=upper)
-
     def at(self, samples: NDArray[np.int_] | slice) -> "LimitRows":
         """The same rows at some samples only."""
-        some: dict[str, Any] = {name: column[samples] for name, column in self.columns.items()}
-        if self.object_axes is not None:
-            some["object_axes"] = self.object_axes[samples]
-        return replace(self, **some)
+        return with_part(self, (*COLUMNS, "object_axes"), samples)
 
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
         """Some of the rows; a column of the speed in which they have nothing is None."""
         if kept.all():
             return self
         places = np.flatnonzero(kept)
-        some: dict[str, Any] = {}
-        for name, column in self.columns.items():
-            some[name] = column[:, places] if np.any(column[:, places]) else None
-        some |= {name: of[places] for name in OF_ROWS if (of := getattr(self, name)) is not None}
-        return replace(self, names=tuple(compress(self.names, kept)), **some)
+        some: dict[str, Any] = {"names": tuple(compress(self.names, kept))}
+        for name in COLUMNS:
+            column = getattr(self, name)
+            if column is not None:
+                some[name] = column[:, places] if np.any(column[:, places]) else None
+        return with_part(self, OF_ROWS, places, **some)
 
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
         return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
-
-    @cached_property
-    def columns(self) -> dict[str, Array]:
-        """The terms that some row has at each sample, by name, each Shape (N, r)."""
-        return {name: column for name in COLUMNS if (column := getattr(self, name)) is not None}
 
     @property
     def is_of_speed(self) -> NDArray[np.bool_]:
@@ -407,13 +397,14 @@ class LimitRows:
     @property
     def matrix(self) -> Array:
         """M_τ, M_F and, if there is one, M_H beside each other, Shape (r, m + n w) or (r, m + 2 n w)."""
-        blocks = (self.torque_matrix, self.wrench_matrix, self.object_matrix)
-        return np.hstack([block for block in blocks if block is not None])
+        blocks = (self.torque_matrix, self.wrench_matrix)
+        return np.hstack(blocks if self.object_matrix is None else (*blocks, self.object_matrix))
 
     @property
-    def groups(self) -> list[str]:
-        """`RowName.group` of each row."""
-        return [name.group for name in self.names]
+    def groups(self) -> list[int]:
+        """Number of each row's `RowName.group`, from 0."""
+        known: dict[str, int] = {}
+        return [known.setdefault(name.group, len(known)) for name in self.names]
 
     @cached_property
     def compressed(self) -> Any:
@@ -438,7 +429,7 @@ def counted_sizes(lower: Array, upper: Array, units: Array) -> Array:
 
     It is 0 where both sides are one number: such a row is kept, and of its limit no share is told.
     """
-    return np.stack([side_size(limit, units) / units for limit in (lower, upper)]) * (lower < upper)
+    return np.stack([side_size(lower, units), side_size(upper, units)]) / units * (lower < upper)
 
 
 def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
@@ -448,20 +439,20 @@ def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
 
 def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
     """All rows of several limits along one motion, in order."""
-    pieces = [piece for piece in given if piece.names] or given[:1]
-    names = tuple(chain.from_iterable([piece.names for piece in pieces]))
+    names = tuple(chain.from_iterable(map(attrgetter("names"), given)))
     columns: dict[str, Array] = {}
     axes, sized, start = None, False, 0
-    for piece in pieces:
-        for name, part in piece.columns.items():
-            if name not in columns:  # row by row in memory: rows without the term cost nothing
-                columns[name] = np.zeros((len(names), len(part))).T
-            columns[name][:, start : start + len(piece.names)] = part
+    for piece in given:
+        rows = slice(start, start + len(piece.names))
+        for name in COLUMNS:
+            part = getattr(piece, name)
+            if part is not None:  # row by row in memory: rows without the term cost nothing
+                columns.setdefault(name, np.zeros((len(names), len(part))).T)[:, rows] = part
         axes = axes if piece.object_matrix is None else piece.object_axes
-        sized, start = sized or piece.size is not None, start + len(piece.names)
+        sized, start = sized or piece.size is not None, rows.stop
 
     def joined(name: str) -> Array:
-        return np.concatenate([getattr(piece, name) for piece in pieces])
+        return np.concatenate([*map(attrgetter(name), given)])
 
     return LimitRows(
         names=names,

@@ -48,7 +48,7 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
         torque = np.zeros((motion.samples, motion.q.shape[1]))
         if compared.size:
             problem = build_sample_problem(rows, samples=compared)
-            x, _ = distribute_torques(problem, speeds[compared], torque_weights(None, cell), DEFAULT_SOLVER)
+            x = distribute_torques(problem, speeds[compared], torque_weights(None, cell), DEFAULT_SOLVER)
             torque[compared] = problem.torque(x)
         vectors += [
             EmbeddedVector(

@@ -22,6 +22,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_firs
 from mrts.kernel.binding import INFINITY
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
+from mrts.program.infeasibility import least_widening
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved
@@ -29,7 +30,6 @@ from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
-from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.timing.result import RetimingResult
@@ -373,7 +373,7 @@ def _passed(problem: SampleProblem, lower: Array, upper: Array) -> tuple[Array, 
         beyond = np.maximum(lower, -upper)
         return np.maximum(np.max(beyond, axis=1, initial=0.0), 0.0), beyond
     A, free = problem.A[:, :, :-2], np.full(problem.unknowns - 2, -np.inf)
-    passed, dual, _ = least_widening(A, lower, upper, problem.is_limit, free, DEFAULT_SOLVER, "wrenches of the plan")
+    passed, dual = least_widening(A, lower, upper, problem.is_limit, free, DEFAULT_SOLVER, "wrenches of the plan")
     return passed, dual
 
 
@@ -428,7 +428,6 @@ def _wrench(plan: Plan, limits: _Limits, end: int, u: Array, *, reserve: bool = 
         torque_speed=None,
     )
     if reserve:
-        alone, _ = reserved(alone, 0.0, DEFAULT_SOLVER)
-    unknowns, _ = distribute_torques(alone, 0.0, plan.weights, DEFAULT_SOLVER)
-    found[moving] = alone.wrench(unknowns)
+        alone = reserved(alone, 0.0, DEFAULT_SOLVER)
+    found[moving] = alone.wrench(distribute_torques(alone, 0.0, plan.weights, DEFAULT_SOLVER))
     return found

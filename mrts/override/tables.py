@@ -28,9 +28,9 @@ from mrts.limits.rows import object_axes, turned
 from mrts.motion.rows_at_rest import REST
 from mrts.override.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
 from mrts.program.between_samples import BETWEEN
+from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import RateLimits
-from mrts.program.widening import motion_widening
 
 PARTS = (0.5, 0.35, 0.25, 0.18, 0.12, 0.09, 0.06, 0.045, 0.03, 0.02)
 """Of the hardest accelerations, tried where rates are kept: the harder they are, the less is left to change them."""

@@ -13,10 +13,10 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, is_number
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import ActiveRow
+from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import MotionRows
 from mrts.program.sample_ranges import SIDES, SampleRanges, joined
-from mrts.program.widening import motion_widening
 
 BETWEEN = 1e-4
 """Share of a limit by which it may be overstepped between samples, unless told otherwise."""
@@ -50,7 +50,7 @@ class Excess:
     @cached_property
     def row(self) -> ActiveRow | None:
         """The limit that is overstepped most, found when it is asked for; None if all are kept."""
-        return self.named if self.named is None or isinstance(self.named, ActiveRow) else self.named()
+        return self.named() if callable(self.named) else self.named
 
     @property
     def passes(self) -> bool:
@@ -171,37 +171,42 @@ def _excess(looked: Looked, left: Excess, whole: tuple[float, float], c2: float)
     if c2 in whole:
         return left
     worst = left if left.passes else Excess(0.0, left.tolerance)
-    for side in SIDES:
-        worst = _worse(worst, looked[1], *_overstepped(looked, c2, side), side)
-    return worst
+    return _worse(worst, looked[1], *_overstepped(looked, (c2, c2)))
 
 
-def _outside(known: SampleRanges, c2: float) -> NDArray[np.bool_]:
-    """Where a c² may lie in a gap, as it lies outside of intervals of which there are several, Shape (N,)."""
-    return np.asarray(known.gaps & ((known.lower > c2) | (known.upper < c2)))
-
-
-def _loads(known: SampleRanges, places: NDArray[np.intp], side: Side) -> Array | None:
-    """Loads that set one end at k places, Shape (k, 10); None where the load is known."""
+def _loads(known: SampleRanges, side: NDArray[np.intp], places: NDArray[np.intp]) -> Array | None:
+    """Loads that set the lower (0) or the upper end (1) at k places, Shape (k, 10); None where the load is known."""
     if known.loads is None:
         return None
-    loads = known.loads[SIDES.index(side)]
-    return np.array([loads[place].load for place in places.tolist()])
+    return np.array([known.loads[end][place].load for end, place in zip(side.tolist(), places.tolist(), strict=True)])
 
 
-def _overstepped(looked: Looked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
-    """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
+def _overstepped(looked: Looked, ends: tuple[float, float]) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Where the range at a place does not reach the lower (0) or the upper one (1) of two c², and by how much.
+
+    Outside of the interval that is known a c² may lie in another where there are several.
+
+    Returns:
+        Sides and places, and by how much limits must move for that c² there, each Shape (k,); of finite ones.
+    """
     rows, known = looked
-    places = ((known.upper < c2 if side == "upper" else known.lower > c2) | _outside(known, c2)).nonzero()[0]
-    return places, motion_widening(rows, np.full(len(places), c2), _loads(known, places, side), places + 1)
+    c2 = np.reshape(ends, (2, 1))
+    above, below = known.lower > c2, known.upper < c2
+    beyond = np.stack([above[0], below[1]]) | (known.gaps & (above | below))
+    side, places = np.nonzero(beyond & np.isfinite(c2))
+    share = motion_widening(rows, c2[side, 0], _loads(known, side, places), places + 1)
+    return side, places, share
 
 
-def _worse(worst: Excess, known: SampleRanges, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
-    if not len(places) or share.max() <= worst.share:
+def _worse(
+    worst: Excess, known: SampleRanges, side: NDArray[np.intp], places: NDArray[np.intp], share: Array
+) -> Excess:
+    """The worst of `_overstepped`, if it is more."""
+    if np.max(share, initial=0.0) <= worst.share:
         return worst
     most = int(np.argmax(share))
     place = int(places[most])
-    rows = known.binding(place, side)
+    rows = known.binding(place, SIDES[side[most]])
     return Excess(float(share[most]), worst.tolerance, float(known.time[place]), rows[0] if rows else None)
 
 
@@ -211,10 +216,8 @@ def _allowed(rows: MotionRows, known: SampleRanges, tolerance: float, first: int
     if not np.isfinite(high):
         return None
     places = np.array([np.argmax(known.lower), np.argmin(known.upper)])
-    loads = [_loads(known, places[[end]], side) for end, side in enumerate(SIDES)]
-    carried = None if loads[0] is None or loads[1] is None else np.concatenate([loads[0], loads[1]])
     c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
-    slow, fast = motion_widening(rows, c2, carried, places + first) / NUDGE
+    slow, fast = motion_widening(rows, c2, _loads(known, np.arange(2), places), places + first) / NUDGE
     rise = tolerance / fast if fast > 0 else np.inf
     return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
 
@@ -225,56 +228,49 @@ def _doubtful(known: SampleRanges, allowed: tuple[float, float] | None, *, every
         return np.arange(len(known.time) - 1)
     if allowed is None:
         return np.zeros(0, dtype=np.intp)
-    beyond = [above > most for above, most in zip(_possible_rises(known), allowed, strict=True)]
-    return np.flatnonzero(np.any(beyond, axis=0) & (np.diff(known.time) > RESOLUTION * known.time[-1]))
+    beyond = np.any(_possible_rises(known) > np.reshape(allowed, (2, 1)), axis=0)
+    return np.flatnonzero(beyond & (np.diff(known.time) > RESOLUTION * known.time[-1]))
 
 
-def _possible_rises(known: SampleRanges) -> list[Array]:
-    """By how much 1 / c²⁺ and c²⁻ may exceed their largest sample in each gap between N >= 2, each Shape (N - 1,).
+def _possible_rises(known: SampleRanges) -> Array:
+    """By how much 1 / c²⁺ and c²⁻ may exceed their largest sample in each gap between N >= 2, Shape (2, N - 1).
 
     A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
     times the change of slope around it.
     """
     with np.errstate(divide="ignore"):
-        both = 1 / known.upper, known.lower
+        both = np.stack([1 / known.upper, known.lower])
     step = np.diff(known.time)
-    return [np.maximum(of[:-1], of[1:]) + turning(step, of) - of.max() for of in both]
+    change = np.abs(np.diff(np.diff(both) / step))
+    if len(step) == 1:
+        return np.full((2, 1), np.inf)
+    around = np.concatenate([change[:, :1], change], axis=1) + np.concatenate([change, change[:, -1:]], axis=1)
+    rises: Array = np.maximum(both[:, :-1], both[:, 1:]) + step * around / 4 - np.max(both, axis=1, keepdims=True)
+    return rises
 
 
-def _left(known: SampleRanges, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
-    step = np.diff(known.time)
-    for above, most in zip(_possible_rises(known), allowed or (np.inf, np.inf), strict=True):
-        gap = int(np.argmax(above))
-        share = float(worst.tolerance * above[gap] / most)
-        if share > worst.share:
-            worst = replace(worst, share=share, time=float(known.time[gap] + step[gap] / 2))
-    return worst
+def _left(known: SampleRanges, allowed: tuple[float, float] | None, none: Excess) -> Excess:
+    """What may be overstepped in the gap that is most doubtful."""
+    share = none.tolerance * _possible_rises(known) / np.reshape(allowed or (np.inf, np.inf), (2, 1))
+    gap = int(np.argmax(np.max(share, axis=0)))
+    if not np.max(share) > 0:
+        return none
+    return replace(none, share=float(np.max(share)), time=float(known.time[gap : gap + 2].mean()))
 
 
 def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.intp], Excess]:
     """Places that must join the samples, the worst where an end oversteps limits too far, and what is left then."""
-    added, known = [], looked[1]
-    for side, c2 in zip(SIDES, whole, strict=True):
-        order = known.upper if side == "upper" else -known.lower
+    known, added = looked[1], set[int]()
+    sides, found, shares = _overstepped(looked, whole)
+    for side, (c2, order) in enumerate(zip(whole, (-known.lower, known.upper), strict=True)):
+        own = sides == side
+        places, share = found[own], shares[own]
         if not np.isfinite(c2):
-            added += [np.argmin(order)] if np.isfinite(np.min(order)) else []
-            continue
-        places, share = _overstepped(looked, c2, side)
-        if len(places) and share.max() > left.tolerance:
-            added.append(places[np.argmin(order[places])])
-            if np.any(_outside(known, c2)):
-                added.append(places[np.argmax(share)])
+            added |= {int(np.argmin(order))} if np.isfinite(np.min(order)) else set()
+        elif np.max(share, initial=0.0) > left.tolerance:
+            added.add(int(places[np.argmin(order[places])]))
+            if known.several:
+                added.add(int(places[np.argmax(share)]))
         else:
-            left = _worse(left, known, places, share, side)
-    return np.array(sorted(set(map(int, added))), dtype=np.intp), left
-
-
-def turning(step: Array, value: Array) -> Array:
-    """By how much a quantity may exceed its samples in each gap between them, Shape (N - 1,)."""
-    slope = np.diff(value) / step
-    change = np.abs(np.diff(slope))
-    if not len(change):
-        return np.full(len(step), np.inf)
-    before, after = np.concatenate([change[:1], change]), np.concatenate([change, change[-1:]])
-    bump: Array = step * (before + after) / 4
-    return bump
+            left = _worse(left, known, sides[own], places, share)
+    return np.array(sorted(added), dtype=np.intp), left

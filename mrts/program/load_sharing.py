@@ -53,8 +53,15 @@ class LoadSharing(EqualByNumbers):
         Raises:
             InputError: If a shape is wrong, the shares do not sum to 1, or the internal wrench moves the object.
         """
-        shares = self.of_robots(len(cell.robots))
-        size = len(cell.robots) * len(cell.wrench_components)
+        robots = len(cell.robots)
+        size = robots * len(cell.wrench_components)
+        shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
+        if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
+            rule = f"must be {robots} finite numbers >= 0, one for each robot."
+            raise InputError("sharing", rule, key="shares", value=shares.tolist())
+        if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
+            rule = f"must sum to 1; they sum to {np.sum(shares):.12g}."
+            raise InputError("sharing", rule, key="shares", value=shares.tolist())
         if self.internal_wrench is None:
             return {"shares": shares, "internal_wrench": np.zeros(size)}
         internal = as_array("internal_wrench", self.internal_wrench)
@@ -73,18 +80,3 @@ class LoadSharing(EqualByNumbers):
                 f"must not move the object: at sample {worst} its net effect Σ B_i F_i is {net[worst]:.3g} (N, N m).",
             )
         return {"shares": shares, "internal_wrench": internal}
-
-    def of_robots(self, robots: int) -> Array:
-        """α_i of each of n robots, Shape (n,).
-
-        Raises:
-            InputError: If there are not n of them, one is negative, or they do not sum to 1.
-        """
-        shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
-        if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
-            rule = f"must be {robots} finite numbers >= 0, one for each robot."
-            raise InputError("sharing", rule, key="shares", value=shares.tolist())
-        if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
-            rule = f"must sum to 1; they sum to {np.sum(shares):.12g}."
-            raise InputError("sharing", rule, key="shares", value=shares.tolist())
-        return shares

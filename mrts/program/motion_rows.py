@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, with_part
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
@@ -42,8 +42,7 @@ class MotorTerms:
 
     def at(self, samples: NDArray[np.int_] | slice) -> "MotorTerms":
         """The same at some samples only."""
-        some: dict[str, Any] = {name: None if of is None else of[samples] for name, of in vars(self).items()}
-        return replace(self, **some)
+        return with_part(self, vars(self), samples)
 
     def torque(self, speed: float) -> Array:
         """All that the motors give besides at a constant factor of speed, Shape (N, m) [N m or N]."""
@@ -119,7 +118,6 @@ class MotionRows:
         is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
             Shape (r,).
         cap_share: What each of these s caps is of its limit at ṙ = 1, Shape (N, s).
-        cap_code: The side on which it bounds ṙ²: 1 + row by its upper limit, -1 - row by its lower one, Shape (N, s).
         motors: What motors add; None where they are ideal.
     """
 
@@ -132,7 +130,6 @@ class MotionRows:
     unit: Array
     is_cap: NDArray[np.bool_]
     cap_share: Array
-    cap_code: NDArray[np.int_]
     motors: MotorTerms | None
 
     @cached_property
@@ -187,7 +184,8 @@ class MotionRows:
         inputs = self.motion.inputs(self.cell.load) | {GEOMETRY: self.cell.geometry}
         inputs |= {} if self.sharing is None else self.sharing.inputs(self.cell, self.motion)
         if samples is not None:
-            inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
+            for name, value in inputs.items():
+                inputs[name] = value if value.ndim == 1 else value[samples]
         return inputs if load is None else inputs | {"load": load}
 
     @property
@@ -276,8 +274,7 @@ def motion_rows(
     given, samples, motors = limit_rows(cell, motion), motion.samples, motor_terms(cell, motion)
     given = given.only(few_sides(given.names)) if circles else given
     size = given.units
-    rows, unit, is_cap = given, size, np.zeros(len(size), dtype=bool)
-    share, code = np.zeros((samples, 0)), np.zeros((samples, 0), dtype=np.intp)
+    rows, unit, is_cap, share = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
     if given.speed is not None or given.square is not None:
         alone, by_speed = given.is_of_speed, moved(given.speed, len(size))
         mixed = by_speed & (~alone | moved(given.square, len(size)))
@@ -289,9 +286,8 @@ def motion_rows(
         least, most = rows.lower[places], rows.upper[places]
         passed = np.any(square > 0, axis=0) & (most <= 0) | np.any(square < 0, axis=0) & (least >= 0)
         caps = (least <= 0) & (most >= 0) & ~passed
-        is_cap[places], square, places = caps, square[:, caps], places[caps]
-        share = side_share(square, rows.lower[places], rows.upper[places])
-        code = np.where(square > 0, 1 + places, -1 - places)
+        is_cap[places] = caps
+        share = side_share(square[:, caps], least[caps], most[caps])
     return MotionRows(
         cell=cell,
         motion=motion,
@@ -302,7 +298,6 @@ def motion_rows(
         unit=unit,
         is_cap=is_cap,
         cap_share=share,
-        cap_code=code,
         motors=motors,
     )
 
@@ -310,11 +305,8 @@ def motion_rows(
 def _in_squares(given: LimitRows, size: Array, places: NDArray[np.int_]) -> tuple[LimitRows, Array]:
     """The rows with ṙ² for ṙ in those of the speed alone, and the column of ṙ² of these, Shape (N, s)."""
     size, least, most = size[places], given.lower[places] / size[places], given.upper[places] / size[places]
-    columns = [column for column in (given.square, given.speed) if column is not None]
-    square = np.zeros((len(given.names), len(columns[0]))).T
-    part = np.zeros((len(square), 1))
+    part = np.zeros(1)
     if given.square is not None:
-        square[:] = given.square
         part = given.square[:, places] / size
     if given.speed is not None:
         share, of_speed = given.speed[:, places] / size, moved(given.speed, len(given.names))[places]
@@ -324,6 +316,8 @@ def _in_squares(given: LimitRows, size: Array, places: NDArray[np.int_]) -> tupl
         most = np.where(of_speed, most * np.abs(most), most)
     magnitude = np.abs(part)
     part[magnitude <= SQUARE_AT_REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
-    lower, upper = given.lower.copy(), given.upper.copy()
+    lower, upper, square = given.lower.copy(), given.upper.copy(), np.zeros((len(given.names), len(part))).T
+    if given.square is not None:
+        square[:] = given.square
     square[:, places], lower[places], upper[places] = size * part, size * least, size * most
     return replace(given, lower=lower, upper=upper, speed=None, square=square), square[:, places]

@@ -7,11 +7,10 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.binding import INFINITY, bind, interruptible, structure
-from mrts.kernel.c_text import SMOOTH, smooth_source
+from mrts.kernel.binding import INFINITY, bind, filled, interruptible, structure
+from mrts.kernel.c_text import SMOOTH, SMOOTH_LEVEL, one_text
 from mrts.kernel.compiler import compiled_library
 from mrts.program.smooth_program import LEAST_EFFORT, Goal, SmoothProfile, SmoothProgram
 
@@ -34,6 +33,8 @@ FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of smooth_timing.c."""
 
 PROGRAM = structure("smooth_timing.c", "mrts_smooth_program")
+AS_THEY_ARE = ("step", "square", "rate", "offset", "q1", "q2", "q3", "jerk")
+"""Attributes of a program that C takes as they are."""
 
 
 class KernelSolver:
@@ -48,7 +49,7 @@ class KernelSolver:
     """
 
     def __init__(self) -> None:
-        self._rows: tuple[SmoothProgram, dict[str, Any]] | None = None
+        self._rows: tuple[SmoothProgram, Any] | None = None
         self._iterates: dict[tuple[Any, ...], tuple[Array, Array]] = {}  # of a kind: σ at the nodes, what C keeps
         self.iterations = self.steps = 0
 
@@ -125,7 +126,10 @@ class KernelSolver:
         around: Array,
         goal: Goal,
         kept: Array | None = None,
-        **settings: float,
+        *,
+        timed: bool = False,
+        moving: bool = False,
+        relaxed: float = 0.0,
     ) -> tuple[bool, float, Array]:
         """Solve a program; the answer is written to the profile, whose ends may be given.
 
@@ -133,20 +137,14 @@ class KernelSolver:
             Whether there is an answer, by what share rates are passed in it, and the iterate that it leaves.
         """
         if self._rows is None or self._rows[0] is not program:
-            self._rows = program, _arrays(program)
-        arrays = self._rows[1] | {"around": np.array(around, dtype=np.float64)}
-        given = PROGRAM(
-            **{name: value if isinstance(value, int) else value.ctypes.data for name, value in arrays.items()},
-            **settings,
-            time=goal.time,
-            effort=goal.effort,
-            uneven=goal.uneven,
-            longest=INFINITY if goal.longest is None else goal.longest,
-            again=kept is not None,
-        )
-        given.given_start, given.given_end = (end is not None and not given.timed for end in program.ends)
-        given.held_start, given.held_end = (end is not None for end in program.end_free)
-        given.kept = arrays  # by a call that is left behind
+            self._rows = program, _of_program(program)
+        given, around = PROGRAM.from_buffer_copy(self._rows[1]), np.array(around, dtype=np.float64)
+        given.kept = self._rows, around  # by a call that is left behind
+        given.around, given.again, given.timed = around.ctypes.data, kept is not None, timed
+        given.moving, given.relaxed = moving, relaxed
+        given.time, given.effort, given.uneven = goal.time, goal.effort, goal.uneven
+        given.longest = INFINITY if goal.longest is None else goal.longest
+        given.given_start, given.given_end = given.given_start and not timed, given.given_end and not timed
         library, share, iterations = _library(), ctypes.c_double(), ctypes.c_int()
         work = np.empty(library.mrts_smooth_work(given))
         left = work[-library.mrts_smooth_kept(given) :]
@@ -161,11 +159,12 @@ class KernelSolver:
 
 
 def _start(program: SmoothProgram, x: Array, u: Array | None = None) -> SmoothProfile:
-    x = np.array(x, dtype=np.float64)
-    for place, given in zip((0, -1), program.ends, strict=True):
-        if given is not None:
-            x[place] = given
-    return SmoothProfile(x, np.zeros(program.nodes) if u is None else np.array(u), program.given_free())
+    """A profile to start from, with what is given at the ends."""
+    x, free = np.array(x, dtype=np.float64), np.zeros((program.nodes, program.free.shape[2]))
+    for place, end, held in zip((0, -1), program.ends, program.end_free, strict=True):
+        x[place] = x[place] if end is None else end
+        free[place] = 0.0 if held is None else held
+    return SmoothProfile(x, np.zeros(program.nodes) if u is None else np.array(u), free)
 
 
 def _at_nodes(before: Array, kept: Array, sigma: Array, free: int) -> Array | None:
@@ -181,38 +180,45 @@ def _at_nodes(before: Array, kept: Array, sigma: Array, free: int) -> Array | No
     of_nodes, of_path = np.split(slots.reshape(2, -1), [-OF_PATH], axis=1)
     slots = np.concatenate([of_nodes.reshape(2, n, -1)[:, nearest].reshape(2, -1), of_path], axis=1)
     F = np.reshape([np.interp(sigma, before, of_one) for of_one in coarse.reshape(n, free).T], (free, len(sigma)))
-    at, was = (np.concatenate([nodes[:1], (nodes[1:] + nodes[:-1]) / 2, nodes[-1:]]) for nodes in (sigma, before))
+    at = np.concatenate([sigma[:1], (sigma[1:] + sigma[:-1]) / 2, sigma[-1:]])
+    was = np.concatenate([before[:1], (before[1:] + before[:-1]) / 2, before[-1:]])
     return np.concatenate([slots.ravel(), F.T.ravel(), np.interp(at, was, control), unit])
 
 
-def _arrays(program: SmoothProgram) -> dict[str, int | NDArray[Any]]:
-    """Sizes and arrays by the names of `mrts_smooth_program`, contiguous and of its types; what is absent is null."""
+def _of_program(program: SmoothProgram) -> Any:
+    """The `mrts_smooth_program` of a program, without what is asked of it; what is absent is null."""
     n, r, f = program.free.shape
     used = np.any(program.free, axis=0)  # of a row, what lies from its first column that is not 0 to its last
     end = np.max(used * np.arange(1, f + 1), axis=1, initial=0)
     first = np.minimum(np.min(np.where(used, np.arange(f), f), axis=1, initial=f), end)
     taken = np.flatnonzero((np.arange(f) >= first[:, None]) & (np.arange(f) < end[:, None]))
-    limited, count = np.flatnonzero(np.isfinite(program.change)), end - first
-    given = {name: getattr(program, name) for name in ("step", "square", "rate", "offset", "q1", "q2", "q3", "jerk")}
-    given |= {name: getattr(program, name) for name in ("root", "weight") if np.any(getattr(program, name))}
-    cones = program.gram.shape[1]
-    given |= {
-        "gram": np.broadcast_to(program.gram, (n, cones, 3, 3)),
-        "bound": np.minimum(np.broadcast_to(program.bound, (n, cones, 3)), INFINITY),
-        "entry": program.free.reshape(n, r * f)[:, taken],
-        "change": program.change[limited],
-        "lower": np.maximum(program.lower, -INFINITY),
-        "upper": np.minimum(program.upper, INFINITY),
-    }
-    indices = {"first": first, "count": count, "place": np.cumsum(count) - count, "limited": limited}
+    limited, count, cones = np.flatnonzero(np.isfinite(program.change)), end - first, program.gram.shape[1]
     sizes = {"nodes": n, "rows": r, "free": f, "width": len(taken), "cones": cones, "changes": len(limited)}
-    return {
-        **(sizes | {"jerks": len(program.jerk)}),
-        **{name: np.ascontiguousarray(array, dtype=np.float64) for name, array in given.items()},
-        **{name: np.ascontiguousarray(array, dtype=np.int32) for name, array in indices.items()},
-    }
+    return filled(
+        PROGRAM,
+        **{name: getattr(program, name) for name in AS_THEY_ARE},
+        **sizes,
+        jerks=len(program.jerk),
+        first=first,
+        count=count,
+        place=np.cumsum(count) - count,
+        limited=limited,
+        entry=program.free.reshape(n, r * f)[:, taken],
+        lower=np.maximum(program.lower, -INFINITY),
+        upper=np.minimum(program.upper, INFINITY),
+        gram=np.broadcast_to(program.gram, (n, cones, 3, 3)),
+        bound=np.minimum(np.broadcast_to(program.bound, (n, cones, 3)), INFINITY),
+        root=program.root if np.any(program.root) else None,
+        weight=program.weight if np.any(program.weight) else None,
+        change=program.change[limited],
+        given_start=program.ends[0] is not None,
+        given_end=program.ends[1] is not None,
+        held_start=program.end_free[0] is not None,
+        held_end=program.end_free[1] is not None,
+    )
 
 
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
-    return compiled_library("mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), (SMOOTH,)))
+    text = SMOOTH_LEVEL + one_text((SMOOTH,))
+    return compiled_library("mrts_smooth", text, lambda library: bind(ctypes.CDLL(str(library)), (SMOOTH,)))

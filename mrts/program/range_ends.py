@@ -41,7 +41,6 @@ class RangeEnds:
         below: A c² between the interval and the next one below, 0 where there is none, Shape (N,). Of an interval that
             is not the highest one it is that of the highest.
         effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
-        fallbacks: Programs that the chosen solver did not solve and another did.
     """
 
     lower: Array
@@ -50,7 +49,6 @@ class RangeEnds:
     status: NDArray[np.uint8]
     below: Array
     effect: Array
-    fallbacks: int = 0
 
     @classmethod
     def unknown(cls, samples: int, rows: int) -> "RangeEnds":
@@ -69,7 +67,6 @@ class RangeEnds:
         self.duals[:, samples] = other.duals
         for name in ("lower", "upper", "status", "below", "effect"):
             getattr(self, name)[samples] = getattr(other, name)
-        self.fallbacks += other.fallbacks
 
 
 def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
@@ -124,12 +121,14 @@ def binding_duals(dual: Array, standstill: NDArray[np.bool_]) -> Duals:
     return np.concatenate([strong, still[:, :, None]], axis=2).astype(np.float32)
 
 
-def with_caps(ends: RangeEnds, cap_share: Array, cap_code: NDArray[np.int_]) -> RangeEnds:
-    """The same ends with the caps that bind at the upper ones; arguments as in `MotionRows`."""
+def with_caps(ends: RangeEnds, is_cap: NDArray[np.bool_], cap_share: Array, square: Array | None) -> RangeEnds:
+    """The same ends with the caps that bind at the upper ones; `square` is that of all rows, Shape (N, r), if any."""
+    if square is None:
+        return ends
     at_cap = np.isfinite(ends.upper) & (ends.upper >= (1 - BINDING_TOLERANCE) * largest_square(cap_share))
     sample, cap = np.nonzero(at_cap[:, None] & binds(cap_share))
-    code = cap_code[sample, cap]
-    ends.duals[1, sample, np.abs(code) - 1] = np.copysign(np.inf, code)
+    row = np.flatnonzero(is_cap)[cap]
+    ends.duals[1, sample, row] = np.copysign(np.inf, square[sample, row])
     return ends
 
 
@@ -148,9 +147,7 @@ def ends_of_problem(problem: SampleProblem, solver: str, high: float, *, alone: 
         found = ends_by_linear_programs(problem, solver, alone=alone)
     else:
         found = intervals_below(lambda most: highest_intervals(problem, most), np.full(problem.samples, np.inf), high)
-    caps = np.flatnonzero(problem.is_cap)
-    code = np.where(problem.square[:, caps] > 0, 1 + caps, -1 - caps)
-    return with_caps(found, problem.cap_share, code)
+    return with_caps(found, problem.is_cap, problem.cap_share, problem.square)
 
 
 def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool = False) -> RangeEnds:
@@ -190,7 +187,6 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool 
         status=np.where(least.verified & largest.verified, OPTIMAL, MARGINAL).astype(np.uint8),
         below=np.zeros(count),
         effect=effect,
-        fallbacks=least.fallbacks + largest.fallbacks,
     )
 
 

@@ -8,6 +8,7 @@ join the samples, it is one quadratic program over the shares of all of them.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import attrgetter
 from typing import Any
 
@@ -20,13 +21,13 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
 from mrts.limits.rows import ActiveRow, LimitRows, counted_sizes
+from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem, moved_by
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
 """Share of a limit that torques may always use: they are not asked to keep more than 99 % of it free."""
@@ -48,7 +49,7 @@ NO_RESERVE = 1e-9
 """A reserve below this share is none: at the fastest c² rounding leaves some, of the precision of an answer."""
 
 
-def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array, Array, int]:
+def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array, Array]:
     """The least largest share of any limit at each sample, less 1: as a widening, below 0 within the limits.
 
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
@@ -67,17 +68,13 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
     )
 
 
-def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProblem, int]:
-    """The same problem with all limits reduced to the least share of themselves that admits c², or to `LEAST_SHARE`.
-
-    Also the number of programs that a fallback had to solve.
-    """
+def reserved(problem: SampleProblem, c2: float, solver: str) -> SampleProblem:
+    """The same problem with all limits reduced to the least share of themselves that admits c², or to `LEAST_SHARE`."""
     if problem.unknowns == 1:
-        return problem, 0
-    found, _, fallbacks = least_shares(problem, c2, solver)
-    share = np.maximum(1 + found, LEAST_SHARE)
+        return problem
+    share = np.maximum(1 + least_shares(problem, c2, solver)[0], LEAST_SHARE)
     low, high = (1 - share)[:, None] * whole_sides(problem.free, problem.counted)
-    return replace(problem, lower=problem.lower + low, upper=problem.upper - high), fallbacks
+    return replace(problem, lower=problem.lower + low, upper=problem.upper - high)
 
 
 def given_sizes(cell: Cell, motion: CoordinatedMotion) -> Array:
@@ -111,7 +108,7 @@ def of_shares(program: SmoothProgram) -> SmoothProgram:
         (least, np.where(high > 0, program.upper - high, most), -high, any_rate),
         (np.full((n, 1), LEAST_SHARE), np.ones((n, 1)), np.ones((n, 1)), any_rate[:1]),
     )
-    lower, upper, share, change = (np.concatenate(of, axis=-1) for of in zip(*parts, strict=True))
+    lower, upper, share, change = map(partial(np.concatenate, axis=-1), zip(*parts, strict=True))
     given: dict[str, Any] = {name: np.pad(np.tile(getattr(program, name), 3), ((0, 0), (0, 1))) for name in OF_SPEED}
     free = np.pad(np.tile(program.free, (1, 3, 1)), ((0, 0), (0, 1), (0, 1)))
     free[:, :, -1] = share
@@ -211,7 +208,7 @@ def plan_reserve(rows: MotionRows, c2: float, loads: tuple[LoadPoint | None, ...
             given, time = rows.given.at(block), rows.motion.object.time
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
-                at_best = _shares_moved(*least_shares(problem, c2, DEFAULT_SOLVER)[:2])
+                at_best = _shares_moved(*least_shares(problem, c2, DEFAULT_SOLVER))
                 distributed.append(_reserve(given, at_best, time, start, load))
                 shares = np.maximum(shares, at_best)
             whole.append(_reserve(given, shares, time, start, load))
@@ -224,7 +221,10 @@ def _reserve(given: LimitRows, shares: Array, time: Array, start: int, load: Loa
     most = np.max(shares, axis=(0, 2), initial=0.0)
     place = int(np.argmax(most))
     near = (shares[:, place] >= most[place] - BINDING_TOLERANCE) & (shares[:, place] > 0)
-    rows = dict.fromkeys(given.active(int(row), upper=bool(side)) for row, side in np.argwhere(near.T))
+    rows = dict.fromkeys(
+        ActiveRow.of(given.names[row], given.lower[row], given.upper[row], at_upper=bool(side))
+        for row, side in np.argwhere(near.T).tolist()
+    )
     left = 1 - float(most[place])
     return Reserve(left if left > NO_RESERVE else 0.0, start + place, float(time[start + place]), tuple(rows), load)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, apply
+from mrts.base.arrays import Array, apply, with_part
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -159,9 +159,7 @@ class SampleProblem:
 
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
-        given = {name: getattr(self, name) for name in (*MAPS, *OF_SAMPLES)}
-        some: dict[str, Any] = {name: None if of is None else of[samples] for name, of in given.items()}
-        return replace(self, **some)
+        return with_part(self, (*MAPS, *OF_SAMPLES), samples)
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
         """The same problem with s more rows, which have no term in ṙ; columns are their attributes."""
@@ -175,11 +173,8 @@ class SampleProblem:
 
     def only(self, rows: NDArray[np.int_]) -> "SampleProblem":
         """The same problem with some of the rows, in this order."""
-        some: dict[str, Any] = {name: getattr(self, name)[rows] for name in OF_ROWS}
-        for name in OF_SAMPLES:
-            of = getattr(self, name)
-            some[name] = None if of is None else of[:, rows]
-        return replace(self, names=tuple([self.names[row] for row in rows.tolist()]), **some)
+        some = with_part(self, OF_ROWS, rows, names=tuple([self.names[row] for row in rows.tolist()]))
+        return with_part(some, OF_SAMPLES, (slice(None), rows))
 
 
 def moved_by(free: Array) -> NDArray[np.bool_]:
@@ -242,22 +237,19 @@ def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varyin
     That column is the one of c² for the motion with velocities as accelerations: at q' = 0 and q'' → q' the terms E and
     P are A and S, as no term quadratic in velocities is left.
     """
-
-    def evaluated(given: dict[str, Array]) -> dict[str, Array]:
-        maps = cell.functions(name, count, given)
-        unknowns = maps["torque_map"].shape[2] if maps["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
-        return {
-            key: value.reshape(count, -1, unknowns) if key.endswith("_map") else value for key, value in maps.items()
-        }
-
-    maps = evaluated(inputs)
-    if not varying:
-        return maps
-    still = {key: np.zeros_like(inputs[key]) for key in ("dq", "object_twist")}
-    by_rate = evaluated(inputs | still | {"ddq": inputs["dq"], "object_acceleration": inputs["object_twist"]})
-    for key in [key for key in maps if key.endswith("_map")]:
-        maps[key] = np.concatenate([maps[key][:, :, :-1], by_rate[key][:, :, -1:], maps[key][:, :, -1:]], axis=2)
-    return maps
+    found = cell.functions(name, count, inputs)
+    unknowns = found["torque_map"].shape[2] if found["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
+    by_rate = None
+    if varying:
+        dq, twist = inputs["dq"], inputs["object_twist"]
+        still = {"dq": np.zeros_like(dq), "object_twist": np.zeros_like(twist), "ddq": dq, "object_acceleration": twist}
+        by_rate = _maps(cell, name, count, inputs | still, varying=False)
+    for key, value in found.items():
+        if key.endswith("_map"):
+            found[key] = value.reshape(count, -1, unknowns)
+            if by_rate is not None:
+                found[key] = np.insert(found[key], -1, by_rate[key][:, :, -1], axis=2)
+    return found
 
 
 def _balanced(maps: dict[str, Array]) -> dict[str, Array]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, with_part
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
@@ -65,7 +65,6 @@ class SampleRanges:
         duals: Which of them bind at both ends of each sample.
         gaps: Whether a sample admits other intervals of c² as well, Shape (N,).
         conflicts: One for each infeasible sample, in order.
-        fallbacks: Programs that the chosen solver did not solve and another did.
         loads: If the load is uncertain, the loads that set the lower and the upper end of each sample.
         asked: From what the rows of a sample are made again; None where `duals` has all that bind.
     """
@@ -78,7 +77,6 @@ class SampleRanges:
     duals: Duals
     gaps: NDArray[np.bool_]
     conflicts: tuple[Conflict, ...] = ()
-    fallbacks: int = 0
     loads: tuple[Sequence[LoadPoint], Sequence[LoadPoint]] | None = None
     asked: Asked | None = field(default=None, repr=False, compare=False)
 
@@ -98,10 +96,9 @@ class SampleRanges:
 
     def at(self, places: NDArray[np.intp]) -> "SampleRanges":
         """The ranges at some samples, without what conflicts there."""
-        some: dict[str, Any] = {name: getattr(self, name)[places] for name in AT_SAMPLES}
-        if self.loads is not None:
-            some["loads"] = tuple([own[place] for place in places.tolist()] for own in self.loads)
-        return replace(self, **some, duals=self.duals[:, places], conflicts=(), asked=None)
+        loads = self.loads and tuple([own[place] for place in places.tolist()] for own in self.loads)
+        changes = {"duals": self.duals[:, places], "loads": loads, "conflicts": (), "asked": None}
+        return with_part(self, AT_SAMPLES, places, **changes)
 
     def load_at(self, sample: int, side: Side) -> LoadPoint | None:
         """The load that sets one end of a sample; None where the load is known."""
@@ -155,7 +152,7 @@ def motion_ranges(
     at_rest = ends.effect <= REST_TOLERANCE * effect
     ends.upper[at_rest], ends.duals[1, at_rest] = rows.most[at_rest], 0
     suspects = ((ends.status != OPTIMAL) | (at_rest & (ends.lower > 0))).nonzero()[0]
-    ends, conflicts = with_caps(ends, rows.cap_share, rows.cap_code), []
+    ends, conflicts = with_caps(ends, rows.is_cap, rows.cap_share, rows.rows.square), []
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
@@ -183,7 +180,7 @@ def _ranges(
     asked: Asked | None,
 ) -> SampleRanges:
     numbers = time, ends.lower, ends.upper, *limits, ends.duals, ends.below > 0
-    return SampleRanges(*numbers, tuple(conflicts), ends.fallbacks, asked=asked)
+    return SampleRanges(*numbers, tuple(conflicts), asked=asked)
 
 
 def decide(

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.arrays import Array, apply
+from mrts.base.arrays import Array, apply, with_part
 from mrts.base.errors import InputError, SolverError, check_type
 from mrts.kernel.programs import default_programs
 
@@ -52,8 +52,7 @@ class ConvexPrograms:
 
     def at(self, samples: Mask) -> "ConvexPrograms":
         """Some of the programs."""
-        given: dict[str, Any] = {name: None if of is None else of[samples] for name, of in vars(self).items()}
-        return ConvexPrograms(**given)
+        return with_part(self, vars(self), samples)
 
     def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
         """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.
@@ -129,13 +128,10 @@ Found = tuple[Array, Array, Array]
 
 def kernel(programs: ConvexPrograms) -> Found:
     """Our own dense kernel, dual simplex and dual active set methods; see mrts/kernel/c/linear_programs.h."""
-    solved, rows = default_programs(), programs.A.shape[1]
+    rows = programs.A.shape[1]
     low = np.concatenate([programs.lower, programs.x_lower], axis=1)
     high = np.concatenate([programs.upper, programs.x_upper], axis=1)
-    if programs.H is None:
-        x, dual, _ = solved.linear_programs(programs.g, programs.A, low, high)
-    else:
-        x, dual, _ = solved.quadratic_programs(programs.H, programs.g, programs.A, low, high)
+    x, dual, _ = default_programs().solve(programs.H, programs.g, programs.A, low, high)
     return x, dual[:, :rows], dual[:, rows:]
 
 
@@ -194,14 +190,13 @@ class Answers:
     """Minimisers and multipliers of a batch.
 
     Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0 up to a positive factor: a positive multiplier belongs to an
-    upper limit. Those that passed `optimality_error` are verified, `fallbacks` of them not by the first solver.
+    upper limit. Those that passed `optimality_error` are verified.
     """
 
     x: Array
     row_dual: Array
     bound_dual: Array
     verified: Mask
-    fallbacks: int
 
 
 def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False) -> Answers:
@@ -210,7 +205,7 @@ def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False
     chosen = SOLVERS[solver]
     scaled, column, row = programs.scaled()
     x, row_dual, bound_dual = np.zeros_like(programs.g), np.zeros_like(programs.lower), np.zeros_like(programs.g)
-    verified, fallbacks = np.zeros(len(x), dtype=bool), 0
+    verified = np.zeros(len(x), dtype=bool)
     for solve in (chosen, *(other for other in FALLBACKS if other is not chosen and not alone)):
         todo = ~verified
         part = scaled.at(todo)
@@ -219,11 +214,10 @@ def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False
         where = np.flatnonzero(todo)[good]
         x[where], row_dual[where], bound_dual[where] = (value[good] for value in found)
         verified[where] = True
-        fallbacks += 0 if solve is chosen else len(where)
         if np.all(verified):
             break
     # multipliers are those of the scaled objective: only their signs and proportions matter
-    return Answers(x * column, row_dual * row, bound_dual / column, verified, fallbacks)
+    return Answers(x * column, row_dual * row, bound_dual / column, verified)
 
 
 def require_verified(answers: Answers, what: str) -> None:

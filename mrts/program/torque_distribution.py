@@ -49,8 +49,8 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
 
 def motion_torques(
     rows: MotionRows, solver: str, c2: float, weights: Array, distribute: DistributionName = "least-torque"
-) -> tuple[Array, Array, int]:
-    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
+) -> tuple[Array, Array]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c².
 
     The weights are W, Shape (m, m). By "reserve" the limits count as they are given, whatever reserve the cell keeps.
     """
@@ -63,22 +63,22 @@ def motion_torques(
         return torques_by_blocks(rows, solver, c2, weights)
     count, library = rows.motion.samples, rows.cell.library
     torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))
-    status, W = np.full(count, STOPPED, dtype=np.uint8), np.ascontiguousarray(weights)
+    status = np.full(count, STOPPED, dtype=np.uint8)
     asked, outputs = [np.full(count, c2)], (torque, wrench, status)
-    rows.over_samples("mrts_torques", asked, outputs, (1, W, TORQUE_WIDENING), speed=float(np.sqrt(c2)))
-    missing, fallbacks = (status != OPTIMAL).nonzero()[0], 0
+    rows.over_samples("mrts_torques", asked, outputs, (1, weights, TORQUE_WIDENING), speed=float(np.sqrt(c2)))
+    missing = (status != OPTIMAL).nonzero()[0]
     if missing.size:
-        torque[missing], wrench[missing], fallbacks = torques_by_blocks(rows, solver, c2, weights, missing)
-    return torque, wrench, fallbacks
+        torque[missing], wrench[missing] = torques_by_blocks(rows, solver, c2, weights, missing)
+    return torque, wrench
 
 
-def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> tuple[Array, int]:
+def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> Array:
     """Eqs. (31), (32), (33), (34): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
 
     c² is one for all samples, or Shape (N,); W has Shape (m, m) and is positive definite.
 
     Returns:
-        Unknowns x with c² last, Shape (N, k), and the programs that a fallback had to solve.
+        Unknowns x with c² last, Shape (N, k).
 
     Raises:
         SolverError: If no solver answers.
@@ -86,7 +86,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     count, unknowns = problem.samples, problem.unknowns
     speed = np.broadcast_to(np.reshape(c2, (-1, 1)), (count, 1))
     if unknowns == 1:
-        return speed, 0
+        return speed
     free = problem.torque_map[:, :, :-1]
     others = problem.torque(np.concatenate([np.zeros((count, unknowns - 1)), speed], axis=1))
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
@@ -104,7 +104,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     )
     answers = solve_programs(programs, solver)
     require_verified(answers, f"torques for c² = {np.min(c2):g}")
-    return np.concatenate([answers.x, speed], axis=1), answers.fallbacks
+    return np.concatenate([answers.x, speed], axis=1)
 
 
 def torques_by_blocks(
@@ -113,20 +113,17 @@ def torques_by_blocks(
     c2: float,
     weights: Array,
     samples: NDArray[np.intp] | None = None,
-    within: Callable[[SampleProblem], tuple[SampleProblem, int]] = lambda problem: (problem, 0),
-) -> tuple[Array, Array, int]:
+    within: Callable[[SampleProblem], SampleProblem] = lambda problem: problem,
+) -> tuple[Array, Array]:
     """`distribute_torques` for k samples of a motion, all or some, as from `motion_torques`.
 
-    `within` moves the limits of some samples, and says how many programs a fallback solved for that.
+    `within` moves the limits of some samples.
     """
     places, library = np.arange(rows.motion.samples) if samples is None else samples, rows.cell.library
     torque, wrench = (np.zeros((len(places), size)) for size in (library.joints, library.wrenches))
-    fallbacks = 0
     for start in range(0, len(places), BLOCK):
         block = slice(start, start + BLOCK)
         problem = build_sample_problem(rows, samples=places[block])
-        limited, before = within(problem)
-        x, by_another = distribute_torques(limited, c2, weights, solver)
+        x = distribute_torques(within(problem), c2, weights, solver)
         torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
-        fallbacks += before + by_another
-    return torque, wrench, fallbacks
+    return torque, wrench

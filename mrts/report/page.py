@@ -14,7 +14,7 @@ from mrts.plots.study_plots import StudyTable
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
-from mrts.scaling.result import ScalingResult, fallbacks_text
+from mrts.scaling.result import ScalingResult
 from mrts.scene.scene import PACES
 from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
@@ -65,7 +65,7 @@ def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable
         status=status,
         card=answer_card(result),
         sentences=_sentences(timing, shown),
-        notes=_notes(shown),
+        notes=[warning.text for warning in shown.warnings],
         limits=(timing if timing is not None and timing.retimed else shown).limits_table(),
         player=scene,
         paces=PACES,
@@ -89,10 +89,3 @@ def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]
         speed = "The" if timing is not None else f"At c² = {shown.trajectory.c2:.6g} the"
         told.append(f"{load}{speed} motors give {shown.trajectory.energy:.4g} J.")
     return told
-
-
-def _notes(result: ScalingResult) -> list[str]:
-    notes = [warning.text for warning in result.warnings]
-    if result.fallbacks:
-        notes.append(fallbacks_text(result.fallbacks))
-    return notes

@@ -229,7 +229,6 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
             for _, conflicts in sorted(of_samples.items())
             if every or len(conflicts) == len(points)
         ),
-        fallbacks=sum(found.fallbacks for found in ranges),
         loads=(at_low, at_high),
     )
 

@@ -161,7 +161,6 @@ class ScalingResult(Result):
         found: The admissible range of c², with the reason where there is none; None where it was not asked for.
         c2: Chosen c²; None if none is admissible.
         trajectory: The motion at the chosen c² with its torques; None where they were not distributed.
-        fallbacks: Programs that the chosen solver did not solve and another did.
         load: What was asked of an uncertain load; None if the load is known.
         options: What was asked.
         origin: What was done to the motion before, for people; empty if nothing.
@@ -175,7 +174,6 @@ class ScalingResult(Result):
     found: ScalingRange | None
     c2: float | None
     trajectory: ScaledTrajectory | None
-    fallbacks: int
     load: LoadStudy | None = None
     options: Options = field(default_factory=Options)
     origin: str = ""
@@ -345,7 +343,6 @@ class ScalingResult(Result):
             **self.range.to_json(),
             "samples": samples.to_json(),
             "conflicts": [conflict.to_json() for conflict in samples.conflicts],
-            "solver_fallbacks": self.fallbacks,
         }
         if self.load is not None:
             output["load"] = self.load.to_json()
@@ -366,11 +363,6 @@ class ScalingResult(Result):
             for use in rate_uses(self)
         ]
         return done.to_json() | {"rates": rates}
-
-
-def fallbacks_text(count: int) -> str:
-    """How many programs, > 0, were not solved by the solver that was asked."""
-    return f"{count} {'program was' if count == 1 else 'programs were'} left by the chosen solver and solved by another"
 
 
 def kept_text(reserve: float) -> str:

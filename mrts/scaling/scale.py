@@ -22,7 +22,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.between_samples import BETWEEN, Excess, refine
 from mrts.program.formulation import DistributionName, FormulationName
-from mrts.program.infeasibility import Conflict, conflicts_at
+from mrts.program.infeasibility import Conflict, conflicts_at, motion_widening
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows
 from mrts.program.range_status import RangeStatus
@@ -31,7 +31,6 @@ from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
-from mrts.program.widening import motion_widening
 from mrts.scaling.constant_rates import RatedFactors, torques_within_rates
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.options import Options, Selection, limited_cell
@@ -195,7 +194,6 @@ def admissible_range(
         found=found,
         c2=None,
         trajectory=None,
-        fallbacks=found.samples.fallbacks,
         load=study,
         options=options,
         remarks=partial(motion_remarks, cell, motion, rows.motion, told, constant=True),
@@ -312,9 +310,8 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}", refused)
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
     excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None
-    fallbacks = result.fallbacks + own.samples.fallbacks
     try:
-        return with_torques(replace(result, cell=cell, options=options, fallbacks=fallbacks, excess=excess), rows=rows)
+        return with_torques(replace(result, cell=cell, options=options, excess=excess), rows=rows)
     except SolverError as error:
         if options.rates is None:
             raise
@@ -336,11 +333,11 @@ def with_torques(
         return result
     rows, W = rows or options.rows(cell, motion), torque_weights(options.weights, cell)
     if given is not None:
-        torque, wrench, fallbacks = *given, 0
+        torque, wrench = given
     elif options.rates is None:
-        torque, wrench, fallbacks = motion_torques(rows, options.solver, c2, W, options.distribute)
+        torque, wrench = motion_torques(rows, options.solver, c2, W, options.distribute)
     else:
-        torque, wrench, fallbacks = *torques_within_rates(rows, options.rates, c2, W, options.distribute), 0
+        torque, wrench = torques_within_rates(rows, options.rates, c2, W, options.distribute)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, _holding(options, rows, W))
     excess = largest_excess(rows.given, done)
     if not excess <= LIMIT_TOLERANCE:
@@ -348,7 +345,7 @@ def with_torques(
             f"the torques found overstep a limit by {excess:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the limits or "
             "the masses of this cell are too unlike in size to be solved."
         )
-    return replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
+    return replace(result, trajectory=done)
 
 
 def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
@@ -365,7 +362,7 @@ def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
         if held.any():
             found = motion_torques(rows.at_rest(places[held][[0, -1]]), *ask)  # one end stands for both
     if found is not None:
-        torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
+        torque, wrench = (np.where(held[:, None], values, 0.0) for values in found)
     return Holding((bool(held[0]), bool(held[1])), torque, wrench)
 
 

@@ -255,12 +255,11 @@ def _carried(
 def _best_torques(cell: Cell, motion: CoordinatedMotion) -> tuple[Array, Array]:
     """Torques and wrenches whose largest share of a limit is the least at each place, within limits or not."""
 
-    def within(problem: SampleProblem) -> tuple[SampleProblem, int]:
+    def within(problem: SampleProblem) -> SampleProblem:
         return reserved(without_unmoved(problem), 1.0, DEFAULT_SOLVER)
 
     rows, weights = motion_rows(cell.with_reserve(0.0), motion), torque_weights(None, cell)
-    torque, wrench, _ = torques_by_blocks(rows, DEFAULT_SOLVER, 1.0, weights, within=within)
-    return torque, wrench
+    return torques_by_blocks(rows, DEFAULT_SOLVER, 1.0, weights, within=within)
 
 
 def _given_torques(
@@ -306,7 +305,7 @@ def _rates(cell: Cell, at_rows: CoordinatedMotion, torque: Array, wrench: Array,
     travel = np.stack([[start, *before[1:-1], end], [start, *after[1:-1], end]])
     at_rows = replace(at_rows, travel=travel)
     done = ScaledTrajectory(cell, at_rows, 1.0, torque, wrench)
-    result = ScalingResult(cell, at_rows, None, 1.0, done, 0, options=Options(load="nominal", between=None))
+    result = ScalingResult(cell, at_rows, None, 1.0, done, options=Options(load="nominal", between=None))
     return [use for use in rate_uses(result) if use.name.kind == "jerk" or not only_jerk]
 
 

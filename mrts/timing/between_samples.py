@@ -15,12 +15,12 @@ from mrts.following.denser_motion import between_samples
 from mrts.limits.rows import ActiveRow, in_circles
 from mrts.motion.object_courses import PoseSplines, ProfiledPath
 from mrts.program.between_samples import BETWEEN, COARSE, Excess, RowOrFinder
+from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, PathPiece, path_pieces, root_mean_square, with_samples
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples

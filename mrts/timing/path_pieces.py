@@ -22,7 +22,7 @@ from mrts.following.grasp_closure import nearest_rates
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.motion_rows import travel_directions
-from mrts.program.path_program import third_derivatives
+from mrts.program.smooth_program import third_derivatives
 
 PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
 """Where each segment is checked; the error vanishes at its ends."""

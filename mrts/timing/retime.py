@@ -145,7 +145,6 @@ def _played(timed: RetimingResult, remarks: Remarks) -> RetimingResult:
         found=None,
         c2=1.0,
         trajectory=None,
-        fallbacks=0,
         options=replace(timed.options, load="nominal"),
         origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{found}",
         remarks=remarks,

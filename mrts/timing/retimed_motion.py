@@ -12,7 +12,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.binding import address, structure
+from mrts.kernel.binding import filled, structure
 from mrts.kernel.cell_library import CellLibrary
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motion_rows import travel_directions
@@ -199,13 +199,11 @@ def path_places(
         acceleration, each with p s first.
     """
     weights = AT_PLACES if places is PLACES else polynomial_weights(places)
-    along = (path.object.time, path.q, path.dq, path.ddq, weights, places, WHOLE_WAY)
-    *given, x, slopes, geometry = map(np.ascontiguousarray, (*along, *speeds, cell.geometry))
-    count, of = len(places) * len(segments), np.ascontiguousarray(segments, dtype=np.int64)
+    joints = {"time": path.object.time, "q": path.q, "dq": path.dq, "ddq": path.ddq}
+    along = filled(JOINT_PATH, **joints, weight=weights, at=places, whole=WHOLE_WAY, places=len(places))
+    count = len(places) * len(segments)
     found = [np.empty((count, *shape)) for shape in [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]]
-    components = np.array(cell.wrench_rows, dtype=np.int32)
-    joint_path = JOINT_PATH(*map(address, given), len(places))
-    library.opened.mrts_path_places(count, joint_path, x, slopes, geometry, of, components, *found)
+    library.opened.mrts_path_places(count, along, *speeds, cell.geometry, segments, cell.wrench_rows, *found)
     found[5] = found[5].transpose(0, 2, 1)  # by columns, as generated functions want them
     return tuple(found)
 

@@ -10,18 +10,17 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Progress, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_program import path_program
 from mrts.program.path_solver import KEPT, KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
+from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path_program
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfileError, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
-from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
 from mrts.timing.between_samples import refined_timing
 from mrts.timing.path_pieces import STRIDE, PathPiece, smooth_nodes, smooth_pieces, stops
@@ -295,5 +294,5 @@ def _stopped_wrenches(problems: Sequence[SampleProblem], weights: Array) -> Arra
         last = problem.at(np.array([problem.samples - 1]))
         maps = {name: np.delete(getattr(last, name), -2, axis=2) for name in ("A", "torque_map", "wrench_map")}
         still = replace(last, speed=None, torque_speed=None, **maps)
-        found.append(distribute_torques(still, 0.0, weights, DEFAULT_SOLVER)[0][0, :-1])
+        found.append(distribute_torques(still, 0.0, weights, DEFAULT_SOLVER)[0, :-1])
     return np.stack(found)

@@ -22,11 +22,11 @@ from mrts.limits import limit_rows
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.plots.card import Card, answer_card
+from mrts.program.infeasibility import widening_at
 from mrts.program.rate_limits import Rates
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import motion_torques, torque_weights, torques_by_blocks
-from mrts.program.widening import widening_at
 from mrts.scaling.limit_use import LimitUse, by_share, limit_uses
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
@@ -223,7 +223,7 @@ def _trajectory(result: ScalingResult, c2: float) -> ScaledTrajectory:
         torque, wrench = widened_torques(cell, motion, options, c2)
     else:
         rows, weights = options.rows(cell, motion), torque_weights(options.weights, cell)
-        torque, wrench, _ = motion_torques(rows, options.solver, c2, weights, options.distribute)
+        torque, wrench = motion_torques(rows, options.solver, c2, weights, options.distribute)
     return ScaledTrajectory(cell, motion, c2, torque, wrench)
 
 
@@ -242,14 +242,14 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
     cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
     W = torque_weights(options.weights, cell)
 
-    def widened(problem: SampleProblem) -> tuple[SampleProblem, int]:
+    def widened(problem: SampleProblem) -> SampleProblem:
         problem = problem.only(np.flatnonzero(np.any(problem.free, axis=(0, 2))))  # torques change no other row
         widening = _least_widening(problem, c2, solver)[:, None]
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
-        return reserved(problem, c2, solver) if by_reserve else (problem, 0)
+        return reserved(problem, c2, solver) if by_reserve else problem
 
     rows = options.rows(cell, motion)
-    return torques_by_blocks(rows, solver, c2, W, within=widened)[:2]
+    return torques_by_blocks(rows, solver, c2, W, within=widened)
 
 
 def _least_widening(problem: SampleProblem, c2: float, solver: str) -> Array:

@@ -10,10 +10,10 @@ from shipped_cells import sampled
 
 import mrts
 from mrts.following.coordinate import coordinate
+from mrts.program.infeasibility import widening_at
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.widening import widening_at
 
 DENSE = 50
 KINDS = ("path", "waypoints", "corner", "poses", "joints")

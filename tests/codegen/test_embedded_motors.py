@@ -104,7 +104,7 @@ def test_ranges_of_random_motors_are_those_of_the_desktop(curved, seed):
     if found.size:
         c2 = float(found[-1].mean())
         problem = build_sample_problem(motion_rows(changed, motion), samples=index)
-        x, _ = distribute_torques(problem, c2, torque_weights(None, cell), DEFAULT_SOLVER)
+        x = distribute_torques(problem, c2, torque_weights(None, cell), DEFAULT_SOLVER)
         status, torque, wrench = library.torques(sample, c2)
         assert status == OK
         assert np.abs(torque - problem.torque(x)[0]).max() <= SAME_TORQUE * limit.min()

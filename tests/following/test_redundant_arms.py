@@ -12,7 +12,7 @@ from shipped_cells import cell_of_arms
 import mrts
 import mrts.following.tracking
 from mrts.following.coordinate import coordinate
-from mrts.following.tracking import LIMIT_PUSH, is_redundant, limit_zone
+from mrts.following.tracking import LIMIT_PUSH, LIMIT_ZONE, NARROWEST_ZONE, WIDEST_ZONE, is_redundant
 
 PANDA = {"urdf": "panda_description/urdf/panda.urdf", "tip_link": "panda_hand_tcp"}
 UR5 = {"urdf": "ur_description/urdf/ur5_robot.urdf", "tip_link": "tool0"}
@@ -23,6 +23,11 @@ BEFORE_THE_CHEST["right"] = (np.array([-1, -1, -1, 1, -1, -1, -1]) * BEFORE_THE_
 
 SAME_PATH = 1e-9
 """Paths of one motion in other samples, or by CasADi: both are solved to 1e-10 in the tip's pose."""
+
+
+def limit_zone(robot):
+    """Width of the zone beside each joint's position limits, Shape (n_i,) [rad or m]."""
+    return np.clip(LIMIT_ZONE * (robot.position_upper - robot.position_lower), NARROWEST_ZONE, WIDEST_ZONE)
 
 
 def stretched(robot, q):

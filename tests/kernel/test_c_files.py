@@ -86,4 +86,4 @@ def test_a_library_that_lacks_a_function_is_refused():
 
 def test_reversed_limits_are_refused():
     with pytest.raises(ValueError, match=r"rows \[1\]"):
-        sparse_limits(np.eye(2), np.array([0.0, 1.0]), np.array([1.0, 0.0]), ("N", "N"))
+        sparse_limits(np.eye(2), np.array([0.0, 1.0]), np.array([1.0, 0.0]), (0, 0))

@@ -54,7 +54,7 @@ def test_linear_programs_of_cells_equal_highs(arms, size, kernel):
         for direction in (1.0, -1.0):
             g = np.zeros((SAMPLES, A.shape[2]))
             g[:, -1] = direction
-            x, dual, status = kernel.linear_programs(g, A, low, high)
+            x, dual, status = kernel.solve(None, g, A, low, high)
             good = status == OPTIMAL
             programs = ConvexPrograms(None, g, A, lower, upper, low[:, rows:], high[:, rows:])
             error = optimality_error(programs, x, dual[:, :rows], dual[:, rows:])
@@ -86,7 +86,7 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
                 programs = ConvexPrograms(None, g[None], A[None], lower[None], upper[None], low[None], high[None])
                 scaled, *_ = programs.scaled()
                 ends = (np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper]))
-                x, dual, status = kernel.linear_programs(scaled.g, scaled.A, *ends)
+                x, dual, status = kernel.solve(None, scaled.g, scaled.A, *ends)
                 of_scaled = (scaled.A, scaled.lower, scaled.upper, scaled.x_lower, scaled.x_upper)
                 theirs, value = highs_minimum(*(of[0] for of in of_scaled), direction)
                 ours = int(status[0])
@@ -115,7 +115,7 @@ def test_limits_that_miss_each_other_by_less_than_rounding_are_marginal(kernel):
     for gap, statuses in wanted.items():
         A = np.array([[[1.0, 0.0], [1.0, 0.0]]])
         lower, upper = np.array([[1 + gap, -np.inf, -np.inf, 0.0]]), np.array([[np.inf, 1.0, np.inf, 5.0]])
-        _, _, status = kernel.linear_programs(np.array([[0.0, 1.0]]), A, lower, upper)
+        _, _, status = kernel.solve(None, np.array([[0.0, 1.0]]), A, lower, upper)
         assert int(status[0]) in statuses, gap
 
 
@@ -131,7 +131,7 @@ def test_quadratic_programs_of_cells_equal_daqp(kernel):
         H, g = np.swapaxes(T, 1, 2) @ T, np.einsum("nri,nr->ni", T, offset)
         free = np.full((SAMPLES, A.shape[2] - 1), np.inf)
         A, lower, upper = np.ascontiguousarray(A[:, :, :-1]), lower - given, upper - given
-        x, dual, status = kernel.quadratic_programs(H, g, A, np.hstack([lower, -free]), np.hstack([upper, free]))
+        x, dual, status = kernel.solve(H, g, A, np.hstack([lower, -free]), np.hstack([upper, free]))
         rows = A.shape[1]
         programs = ConvexPrograms(H, g, A, lower, upper, -free, free)
         good = status == OPTIMAL
@@ -167,7 +167,7 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
                 programs = ConvexPrograms(H, g, A[None], lower[None], upper[None], -free, free)
                 scaled, _, _ = programs.scaled()
                 ends = np.hstack([scaled.lower, -free]), np.hstack([scaled.upper, free])
-                x, dual, status = kernel.quadratic_programs(scaled.H, scaled.g, scaled.A, *ends)
+                x, dual, status = kernel.solve(scaled.H, scaled.g, scaled.A, *ends)
                 solved[kind, int(status[0])] += 1
                 if status[0] == OPTIMAL:
                     error = optimality_error(scaled, x, dual[:, :rows], dual[:, rows:])
@@ -175,7 +175,6 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
                 elif feasible:
                     answers = solve_programs(programs, "kernel")
                     assert answers.verified[0], (kind, k, seed)
-                    assert answers.fallbacks == 1
     assert solved["degenerate vertex", OPTIMAL] == 3 * HARD
 
 
@@ -198,9 +197,9 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     A = np.ones((1, 3, 2))
     A[0, 1, 0] = np.nan
     low, high = np.array([[-1.0, -1, -1, -1, 0]]), np.array([[1.0, 1, 1, 1, 1]])
-    _, _, status = kernel.linear_programs(np.array([[0.0, 1]]), A, low, high)
+    _, _, status = kernel.solve(None, np.array([[0.0, 1]]), A, low, high)
     assert status[0] != OPTIMAL
-    _, _, status = kernel.quadratic_programs(np.eye(2)[None], np.array([[-5.0, 1]]), A, low, high)
+    _, _, status = kernel.solve(np.eye(2)[None], np.array([[-5.0, 1]]), A, low, high)
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="must be <= 1e"):
         planar_cell.with_mass(1.7e308)

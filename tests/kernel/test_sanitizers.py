@@ -17,7 +17,7 @@ import numpy as np
 from mrts.kernel.programs import default_programs
 programs = [array for _, array in np.load(sys.argv[1]).items()]
 for program in range(len(programs[0])):
-    default_programs().linear_programs(*(array[program][None] for array in programs))
+    default_programs().solve(None, *(array[program][None] for array in programs))
 """
 
 
@@ -46,17 +46,17 @@ for arms, size in ((2, 3), (2, 6), (3, 6)):
     free = np.full((200, A.shape[2]), np.inf)
     ends = np.hstack([lower, -free]), np.hstack([upper, free])
     ends[0][:, -1], ends[1][:, -1] = 0, 1e9
-    kernel.linear_programs(np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
-    kernel.quadratic_programs(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
+    kernel.solve(None, np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
+    kernel.solve(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
     bound = np.full((200, 2), 1e5)
     kernel.projections(A, lower, upper, np.ones_like(A[:, 0]), (-bound, bound))
 for k, rows in ((1, 3), (3, 12), (31, 120)):
     for A, lower, upper, _ in hard_programs(rng, max(k, 3), max(rows, 12)).values():
         free = np.full(A.shape[1], np.inf)
         ends = np.concatenate([lower, -free])[None], np.concatenate([upper, free])[None]
-        kernel.quadratic_programs(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
+        kernel.solve(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
         ends[0][0, -1], ends[1][0, -1] = 0, 1e9
-        kernel.linear_programs(np.eye(A.shape[1])[-1:], A[None], *ends)
+        kernel.solve(None, np.eye(A.shape[1])[-1:], A[None], *ends)
 """
 
 

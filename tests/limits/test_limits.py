@@ -155,7 +155,7 @@ def test_limits_of_the_speed_alone_are_squared_exactly(planar_cell, lift):
         np.testing.assert_array_equal((form.rows.excess(form.rows.value(*none, 0.0, c)) <= 0)[:, ours], inside)
         np.testing.assert_array_equal(c**2 <= form.most, np.all(inside[:, form.is_cap[ours]], axis=1))
     assert 0 < np.count_nonzero(form.is_cap) < count
-    assert set(np.sign(form.cap_code[binds(form.cap_share)])) == {-1, 1}
+    assert set(np.sign(form.rows.square[:, form.is_cap][binds(form.cap_share)])) == {-1, 1}
 
 
 WRONG_ROWS = {

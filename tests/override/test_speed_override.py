@@ -20,8 +20,8 @@ from mrts.cell.points import CarriedThing
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.limits import limit_rows
 from mrts.motion.velocity_profile import quintic
+from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
-from mrts.program.widening import motion_widening
 
 ROUNDING = 1e-9
 """Largest difference to Pinocchio's torques, as a share of a torque limit."""

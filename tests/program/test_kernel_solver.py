@@ -137,10 +137,8 @@ def with_middles(program):
         finer[1::2] = (values[:-1] + values[1:]) / 2
         return finer
 
-    nodes = {
-        name: of_nodes(getattr(program, name))
-        for name in ("square", "rate", "root", "offset", "free", "lower", "upper", "q1", "q2", "gram", "bound")
-    }
+    names = ("square", "rate", "root", "offset", "free", "lower", "upper", "q1", "q2", "gram", "bound")
+    nodes = {name: of_nodes(getattr(program, name)) for name in names}
     return replace(program, step=np.repeat(program.step / 2, 2), q3=np.repeat(program.q3, 2, axis=0), **nodes)
 
 

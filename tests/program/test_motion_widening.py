@@ -11,10 +11,10 @@ from shipped_cells import sampled, shipped_motion
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.following.denser_motion import velocity_polynomials
+from mrts.program.infeasibility import motion_widening, widening_at
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.widening import motion_widening, widening_at
 from mrts.timing.path_pieces import PLACES, path_pieces
 from mrts.timing.retimed_motion import TimedPiece, between_path_samples
 

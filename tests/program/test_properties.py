@@ -55,7 +55,7 @@ def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satis
         for share in [0.0, 1.0, *rng.uniform(0, 1, 12)]:
             c2 = float(ranges.lower[k] + share * (ranges.upper[k] - ranges.lower[k]))
             one = problem.at(np.array([k]))
-            x, _ = distribute_torques(one, c2, np.eye(len(cell.joint_names)), DEFAULT_SOLVER)
+            x = distribute_torques(one, c2, np.eye(len(cell.joint_names)), DEFAULT_SOLVER)
             torque, wrench = one.torque(x)[0], one.wrench(x)[0]
             assert limit_violation(limits.at(np.array([k])), torque, wrench, c2) <= LIMIT_TOLERANCE
             scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))

@@ -88,7 +88,7 @@ def test_both_stages_equal_highs(seed, tmp_path):
     cell, case, reference, c2 = random_case(seed, tmp_path)
     motion = mrts.follow_object(cell, case.motion)
     shares = 1 + least_shares(build_sample_problem(motion_rows(cell, motion)), c2, DEFAULT_SOLVER)[0]
-    torque, wrench, _ = motion_torques(
+    torque, wrench = motion_torques(
         motion_rows(cell, motion), DEFAULT_SOLVER, c2, np.eye(motion.q.shape[1]), distribute="reserve"
     )
     rows = limit_rows(cell, motion)
