@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Annotated, Any
 
 import numpy as np
@@ -91,7 +92,7 @@ class CoordinatedMotion:
     @property
     def untimed(self) -> bool:
         """Whether it is a path through waypoints, whose time is its length."""
-        return any(remark.code == UNTIMED for remark in self.remarks)
+        return UNTIMED in map(attrgetter("code"), self.remarks)
 
     def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
         """Some samples, at least two, Shape (k,), by themselves; their time only counts them."""
