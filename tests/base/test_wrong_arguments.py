@@ -85,7 +85,7 @@ def good(planar_cell):
         "load_cell": {"path": DATA / "cell.yaml"},
         "load_motion": {"motion": DATA / "lift.yaml", "smooth": None},
         "check_plan": {"cell": planar_cell, "plan": "good.csv", "closure": None},
-        "simulate": {"plan": result, "controller": None, "errors": None, "cell": None, "trials": 0, "seed": 0}
+        "simulate": {"plan": result, "controller": None, "errors": None, "trials": 0, "seed": 0}
         | {"override": None, "rates": None, "progress": lambda _done, _total: None},
         "least_reserve": {"solve": lambda reserve: mrts.scale(planar_cell, motion, reserve=reserve)}
         | {"controller": None, "errors": None, "progress": lambda _done, _total: None},
