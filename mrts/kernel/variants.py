@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY, structure, work_arrays
-from mrts.kernel.cell_library import TERMS, CellLibrary
+from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.tracking import PATH, strided
 
 NAMED = 4
@@ -56,8 +56,7 @@ def variant_ranges(
     arrays, strides = strided(variants, shapes, {**given, **followed, **bounds})
     found = np.zeros(variants, dtype=range_record(library.unknowns))
     library.opened.mrts_variant_ranges(
-        *(variants, samples, arrays, strides, limits, TERMS()),
-        *(skipped, found),
+        *(variants, samples, arrays, strides, limits, skipped, found),
         *work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples),
     )
     return found

@@ -11,6 +11,7 @@ from exported_library import run, tool
 from mrts_codegen.embedded.export_library import TEMPLATES, filled
 from mrts_codegen.generate import generate_cell
 from mrts_codegen.model_c import ANGLES, OPERATIONS, model_c
+from shipped_cells import sizes_of
 
 import mrts
 
@@ -29,15 +30,18 @@ def functions_of(cell):
 def compiled(functions, precision, folder):
     """The functions as a shared library, as an export has them; in lanes as well where they are doubles."""
     words = {"NOTICE": "", "MODEL": model_c({f"x_{short}": one for short, one in functions.items()})}
-    text = filled((TEMPLATES / "cell_model.c").read_text().replace("cell_", "x_"), words)
+    template = (TEMPLATES / "cell_model.c").read_text()
+    text = filled(template.replace("cell_", "x_").replace("kernel/", ""), words)
     joints = min(one.numel_in(0) for one in functions.values())  # all take them first
-    sizes = f"#define CELL_JOINTS {joints}\n#define CELL_SINGLE {int(precision == 'float')}\n"
+    kind = {"float": "#define MRTS_SINGLE\n"}.get(precision, "")
+    sizes = f'#define CELL_JOINTS {joints}\n#define MRTS_REAL {precision}\n{kind}#include "numbers.h"\n'
     (folder / "x_model.h").write_text(f"typedef {precision} x_real;\n{sizes}")
     if precision == "double":
         text += f'#include "lanes/lanes.h"\n#include "lanes/model_of_lanes.inc"\n{words["MODEL"]}'
     (folder / "model.c").write_text(text)
     run(tool("gcc", "gcc"), "-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion",
-        "-Wdouble-promotion", "-Werror", "-Wno-missing-prototypes", f"-I{C}", "-shared", "-fPIC", folder / "model.c",
+        "-Wdouble-promotion", "-Werror", "-Wno-missing-prototypes", f"-I{C}", *sizes_of("planar_dual_arm"),
+        "-shared", "-fPIC", folder / "model.c",
         "-lm", "-o", folder / "model.so")  # fmt: skip
     return ctypes.CDLL(str(folder / "model.so"))
 

@@ -78,16 +78,15 @@ static void mrts_rate_in_world(const mrts_arm *arm, const int *components, const
 static void mrts_carried(const mrts_arm *arm, const int *components, const mrts_lanes *geometry, const mrts_lanes *q,
                          const mrts_lanes *dq, const mrts_lanes *ddq, mrts_lanes *position, mrts_lanes *rotation,
                          mrts_lanes *twist, mrts_lanes *acceleration) {
-    static const int first_joints[] = MRTS_FIRST_JOINTS;
     mrts_lanes tips[3 * MRTS_ROBOTS], turns[9 * MRTS_ROBOTS], J[MRTS_SIZE * MRTS_JOINTS], change[MRTS_SIZE * MRTS_ROBOTS];
     mrts_lanes sines[2 * MRTS_JOINTS], velocity[MRTS_SIZE], r[3], turning[3] = {mrts_each(0), mrts_each(0), mrts_each(0)};
     const mrts_lanes *const at[] = {q, geometry}, *const moving[] = {q, dq, geometry};
     mrts_lanes *const poses[] = {tips, turns, J}, *const bias[] = {change};
-    mrts_sines(first_joints[1], q, sines);
-    for (int i = 2 * first_joints[1]; i < 2 * MRTS_JOINTS; ++i) sines[i] = mrts_each(0); /* of other arms nothing is wanted */
+    mrts_sines(MRTS_FIRST(1), q, sines);
+    for (int i = 2 * MRTS_FIRST(1); i < 2 * MRTS_JOINTS; ++i) sines[i] = mrts_each(0); /* of other arms nothing is wanted */
     MRTS_KINEMATICS_LANES(at, sines, poses);
     MRTS_BIAS_ACCELERATION_LANES(moving, sines, bias);
-    mrts_tip_by_joints(0, first_joints[1], J, dq, ddq, velocity, change);
+    mrts_tip_by_joints(0, MRTS_FIRST(1), J, dq, ddq, velocity, change);
     for (int i = 0; i < 3; ++i) { /* of the tip by columns, turned back by that of the grasp in the object */
         for (int j = 0; j < 3; ++j) {
             rotation[3 * j + i] = turns[i] * arm->tip_rotation[3 * j] + turns[3 + i] * arm->tip_rotation[3 * j + 1] +
@@ -226,7 +225,6 @@ static void mrts_off_grasp(const mrts_arm *arm, const int *components, const mrt
 MRTS_EXPORT void mrts_closure(long long count, const double *const *in, const long long *stride, const double *position,
                               const double *geometry, const int *components, double *most) {
     enum { NUMBERS = MRTS_ROBOTS * MRTS_CLOSURE_SIZES };
-    static const int joints[] = MRTS_FIRST_JOINTS;
     mrts_lanes tips[3 * MRTS_ROBOTS], turns[9 * MRTS_ROBOTS], J[MRTS_SIZE * MRTS_JOINTS], change[MRTS_SIZE * MRTS_ROBOTS];
     mrts_lanes sines[2 * MRTS_JOINTS], rate[MRTS_SIZE], object[3], found[NUMBERS];
     mrts_lanes *const poses[] = {tips, turns, J}, *const bias[] = {change};
@@ -243,7 +241,7 @@ MRTS_EXPORT void mrts_closure(long long count, const double *const *in, const lo
         MRTS_BIAS_ACCELERATION_LANES(moving, sines, bias);
         for (int robot = 0; robot < MRTS_ROBOTS; ++robot) {
             mrts_lanes *own = change + robot * MRTS_SIZE;
-            mrts_tip_by_joints(joints[robot], joints[robot + 1], J, dq, inputs.arg[MRTS_DDQ], rate, own);
+            mrts_tip_by_joints(MRTS_FIRST(robot), MRTS_FIRST(robot + 1), J, dq, inputs.arg[MRTS_DDQ], rate, own);
             mrts_off_grasp(MRTS_ARM(geometry, robot), components, inputs.arg, object, tips + 3 * robot, turns + 9 * robot,
                            rate, own, found + robot * MRTS_CLOSURE_SIZES, &finite);
         }

@@ -6,7 +6,6 @@
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
 
-/* Reals and ints of work of the batches below. */
 MRTS_EXPORT void mrts_lp_batch_work(int k, int rows, long long *reals, long long *ints) {
     *reals = MRTS_LP_WORK(k) + k;
     *ints = MRTS_LP_IWORK(k, rows) + k;

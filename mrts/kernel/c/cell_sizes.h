@@ -13,6 +13,10 @@ typedef struct {
     double tip_position[3];  /* likewise [m] */
 } mrts_arm;
 
+/* Where an arm's joints begin. */
+static const int mrts_first_joints[MRTS_ROBOTS + 1] = MRTS_FIRST_JOINTS;
+#define MRTS_FIRST(robot) mrts_first_joints[robot]
+
 /* A geometry is gravity in the world [m/s^2], the arms, and what joints that are held place. */
 #define MRTS_GRAVITY 3
 #define MRTS_ARM(geometry, robot) ((const mrts_arm *)((geometry) + MRTS_GRAVITY) + (robot))

@@ -92,7 +92,6 @@ static void mrts_lp_move(int k, int j, mrts_real more, const mrts_real *C, mrts_
     for (int i = 0; i < k; ++i) x[i] += more * C[j * k + i];
 }
 
-/* x of a basis */
 static void mrts_lp_place(int k, const mrts_real *lower, const mrts_real *upper, const int *row, const int *side,
                           const mrts_real *C, mrts_real *x) {
     for (int i = 0; i < k; ++i) x[i] = 0;

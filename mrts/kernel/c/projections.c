@@ -65,15 +65,12 @@ static mrts_corner mrts_corner_at(const mrts_polygon *of, int n) {
     return corner;
 }
 
-/* What rounding of a corner is measured by. */
 static double mrts_corner_size(const double *p) { return 1 + MRTS_ABS(p[0]) + MRTS_ABS(p[1]); }
 
-/* Whether two corners differ by no more than rounding. */
 static int mrts_same_corner(const double *p, const double *q) {
     return MRTS_ABS(p[0] - q[0]) + MRTS_ABS(p[1] - q[1]) <= MRTS_OUTSIDE * mrts_corner_size(p);
 }
 
-/* Whether a point keeps all limits, but for rounding. */
 static int mrts_keeps_limits(const mrts_polytope *in, const double *z) {
     for (int row = 0; row < in->rows + in->k; ++row) {
         const double value = mrts_lp_value(in->rows, in->A, in->k, row, z), low = in->lower[row], high = in->upper[row];
@@ -269,7 +266,6 @@ typedef struct {
     (MRTS_LANES * ((rows) * (k) + 2 * ((rows) + (k)) + MRTS_CORNERS * MRTS_LANE_CORNER(k) + (k) * (k) + 2 * (k)))
 #define MRTS_LANE_POLYTOPES_IWORK(k) (MRTS_CORNERS * (k))
 
-/* Lays them out in work arrays. */
 static mrts_lane_polytopes mrts_lane_polytopes_in(const mrts_polytopes *of, double *work, int *iwork) {
     const int k = of->k, rows = of->rows;
     mrts_lane_polytopes in;
@@ -458,7 +454,6 @@ MRTS_EXPORT void mrts_half_planes(long long count, const int *number, const doub
     start[count] = (next - planes) / 3;
 }
 
-/* Reals and ints of work of the projections below. */
 MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
     *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k) + MRTS_LANE_POLYTOPES_WORK(k, rows);
     *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k);

@@ -109,7 +109,6 @@ typedef struct {
     double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
 } mrts_smooth_state;
 
-/* Slots of a node alone, and with those of its segment. */
 static inline int mrts_smooth_node_slots(const mrts_smooth_program *p) { return 2 * p->rows + p->cones; }
 static inline int mrts_smooth_slots(const mrts_smooth_program *p) {
     return mrts_smooth_node_slots(p) + 2 * (p->changes + 2 * p->jerks);
@@ -121,7 +120,6 @@ static inline int mrts_smooth_slots(const mrts_smooth_program *p) {
 
 #define MRTS_SMOOTH_APEX 1e-4 /* of a limit: cones are rounded there, and narrower by half its square at most */
 
-/* Lays tangents at a profile. */
 static void mrts_smooth_tangents(const mrts_smooth_program *p, mrts_smooth_state *state, const double *around) {
     for (int k = 0; k < p->nodes; ++k) {
         state->around[k] = around[k];
@@ -135,7 +133,6 @@ static void mrts_smooth_tangents(const mrts_smooth_program *p, mrts_smooth_state
     }
 }
 
-/* x and u of the control points. */
 static void mrts_smooth_profile(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const double *c = state->control;
     for (int k = 0; k < p->nodes; ++k) {
@@ -195,7 +192,6 @@ static void mrts_smooth_node(const mrts_smooth_program *p, mrts_smooth_state *st
     }
 }
 
-/* Cones of one node. */
 static void mrts_smooth_cones(const mrts_smooth_program *p, mrts_smooth_state *state, int k, double *g) {
     const double u = state->u[k], x = state->x[k];
     for (int i = 0; i < p->cones; ++i) {
@@ -420,7 +416,6 @@ static double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smooth_st
     return p->time / state->unit * total + effort + uneven;
 }
 
-/* Of a node: its cones' slots. */
 static void mrts_smooth_cone_second(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *weight,
                                     const double *multiplier, int k, double *second) {
     for (int i = 0; i < p->cones; ++i) {
@@ -478,7 +473,6 @@ static void mrts_smooth_time_second(const mrts_smooth_program *p, mrts_smooth_st
     state->segment_second[4 * k] += by / (sum * root * root1);
 }
 
-/* Of a segment: its changes. */
 static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights,
                                       int k) {
     const int r = p->rows, c = p->changes;
@@ -509,7 +503,6 @@ static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_
     state->segment_second[4 * k] += mixed;
 }
 
-/* Of a segment: its jerks. */
 static void mrts_smooth_jerk_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights, int k) {
     const int J = p->jerks;
     double *segment = state->segment_second + 4 * k;
@@ -566,7 +559,6 @@ static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *
  * are all that they meet.
  */
 
-/* Number of unknowns. */
 static inline long long mrts_front_unknowns(const mrts_smooth_program *p) {
     return (long long)p->nodes * (p->free + 1) + 1;
 }
@@ -587,7 +579,6 @@ static long long mrts_front_work(const mrts_smooth_program *p) {
            (2 * f + 3) / MRTS_FRONT_ROWS + 1;
 }
 
-/* Whether F_k, control point k is given. */
 static int mrts_front_held(const mrts_smooth_program *p, int k) {
     return (k == 0 && p->held_start) || (k == p->nodes - 1 && p->held_end);
 }
@@ -644,7 +635,6 @@ static void mrts_front_add_node(const mrts_smooth_program *p, const mrts_smooth_
     diagonal[f + 1] = nn;
 }
 
-/* Adds what segment k has between its nodes. */
 static void mrts_front_add_segment(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, double *A) {
     const int f = p->free, r = p->rows, c = p->changes, m = 2 * f + 3;
     const double *entry0 = p->entry + (long long)k * p->width, *entry1 = entry0 + p->width;
@@ -851,7 +841,6 @@ static void mrts_front_scatter(const mrts_smooth_program *p, mrts_smooth_state *
  * outside the limits.
  */
 
-/* How a program ends. */
 enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
 
 #define MRTS_SMOOTH_MOST 200       /* iterations: a step takes 10 to 30, one with room over 3000 nodes 160 */
@@ -873,13 +862,11 @@ static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
     return (long long)p->nodes * mrts_smooth_slots(p) + 2;
 }
 
-/* The slots of the duration and of the share. */
 static long long mrts_smooth_duration_slot(const mrts_smooth_program *p) {
     return (long long)p->nodes * mrts_smooth_slots(p);
 }
 static long long mrts_smooth_share_slot(const mrts_smooth_program *p) { return mrts_smooth_duration_slot(p) + 1; }
 
-/* Whether a slot is that of a change or of a jerk. */
 static int mrts_smooth_relaxes(const mrts_smooth_program *p, long long slot) {
     return slot < mrts_smooth_duration_slot(p) && slot % mrts_smooth_slots(p) >= mrts_smooth_node_slots(p);
 }
@@ -992,7 +979,6 @@ static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_st
     return sum;
 }
 
-/* Whether a column borders the Newton matrix. */
 static int mrts_smooth_bordered(const mrts_smooth_program *p, const mrts_smooth_state *at) {
     return p->relaxed > 0 || at->y[mrts_smooth_duration_slot(p)] > 0;
 }
@@ -1036,16 +1022,12 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
     at->x_reach = x;
 }
 
-/* The length, at most 1, of a step of the profile that leaves slacks a share of what they are. */
+/* Lengths, at most 1, of a step of the profile and of one of the multipliers that leave a share of what they are. */
 static double mrts_smooth_length(const mrts_smooth_state *at, double boundary) {
-    const double slack = boundary * at->slack_reach, x = (1 - MRTS_SMOOTH_LEAST) * at->x_reach;
-    const double length = slack < x ? slack : x;
-    return length < 1 ? length : 1;
+    return fmin(1, fmin(boundary * at->slack_reach, (1 - MRTS_SMOOTH_LEAST) * at->x_reach));
 }
-
-/* Likewise of multipliers. */
 static double mrts_smooth_dual_length(const mrts_smooth_state *at, double boundary) {
-    return boundary * at->dual_reach < 1 ? boundary * at->dual_reach : 1;
+    return fmin(1, boundary * at->dual_reach);
 }
 
 /* Answers what the share or the duration pulls at by the factor, into w; only one of them is limited. */
@@ -1108,7 +1090,6 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     return length;
 }
 
-/* Keeps the iterate for a program that is near. */
 static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *at) {
     const double *of[] = {at->s, at->y, at->free, at->control, &at->unit};
     const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};

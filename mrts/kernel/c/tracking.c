@@ -22,15 +22,6 @@ MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, c
  * hold their grasps; mrts/following/tracking.py has the mathematics.
  */
 
-/* Where an arm's joints begin: a constant of the compiler where each has as many as its wrench components, which is
- * faster. */
-#ifdef MRTS_UNEVEN
-static const int mrts_first_joints[MRTS_ROBOTS + 1] = MRTS_FIRST_JOINTS;
-#define MRTS_FIRST(robot) mrts_first_joints[robot]
-#else
-#define MRTS_FIRST(robot) ((robot) * MRTS_SIZE)
-#endif
-
 /* What the arms of a cell prefer; one value a joint of all arms [rad or m]. */
 typedef struct {
     const double *lower; /* position limits, infinite where there are none */
@@ -582,7 +573,6 @@ static double mrts_factor_jacobian(const double *J, mrts_factors *factors) {
     return 2 / sqrt(determinant);
 }
 
-/* x with J x = y. */
 static void mrts_solve_jacobian(const mrts_factors *factors, const double *y, double *x) {
     for (int i = 0; i < MRTS_SIZE; ++i) x[i] = y[factors->row[i]];
     mrts_solve(MRTS_SIZE, factors->triangles, x);
@@ -743,7 +733,6 @@ typedef struct {
     double amount[2];
 } mrts_outcome;
 
-/* A whole turn [rad]. */
 #define MRTS_TURN 6.283185307179586
 
 /* What to add to the positions of a joint along a path, from `low` to `high`, to bring them inside its limits by whole
@@ -804,7 +793,6 @@ typedef struct {
     double at;
 } mrts_start;
 
-/* Takes up where one start of an arm led. */
 static void mrts_take_start(const mrts_following *rule, int robot, const double *posture, const double *found, double gap,
                             double turn, int attempt, mrts_start *start) {
     const int given = attempt == 0;
@@ -875,7 +863,6 @@ static int mrts_find_start(const mrts_following *rule, const mrts_path *at, cons
     return lost >= 0;
 }
 
-/* How an arm fails to hold its grasp at a sample, if it does. */
 static void mrts_note_failure(const mrts_tracking *task, const mrts_held *held, int robot, int sample,
                               mrts_outcome *outcome) {
     const double jump = held->jump[robot], condition = held->condition[robot];

@@ -11,20 +11,6 @@
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
 
-/* The terms of a sample, of those of all samples one after the other. */
-static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
-    const long long torques = sample * MRTS_JOINTS, limits = sample * rows;
-    mrts_terms here;
-    here.torque_square = all->torque_square ? all->torque_square + torques : 0;
-    here.torque_offset = all->torque_offset ? all->torque_offset + torques : 0;
-    here.square = all->square ? all->square + limits : 0;
-    here.offset = all->offset ? all->offset + limits : 0;
-    here.margin = all->margin ? all->margin + limits : 0;
-    here.torque_speed = all->torque_speed ? all->torque_speed + torques : 0;
-    here.speed = all->speed ? all->speed + limits : 0;
-    return here;
-}
-
 /* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
 static inline short mrts_row_of_limits(const mrts_limits *limits, const mrts_rows *rows, int code) {
     const int row = mrts_abs(code) - 1;
@@ -49,7 +35,6 @@ MRTS_EXPORT void mrts_forms(long long count, const double *const *in, const long
     }
 }
 
-/* Reals and ints of work of mrts_ranges and mrts_torques for so many rows of limits. */
 MRTS_EXPORT void mrts_ranges_work(int rows, long long *reals, long long *ints) {
     *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_LP_WORK(MRTS_UNKNOWNS) + MRTS_SAMPLES_WORK(rows);
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_UNKNOWNS, rows);
@@ -213,7 +198,8 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
         if (lane == 0) mrts_take_samples(in, stride, n, count, n == 0, &samples);
         found->status[0] = found->status[1] = MRTS_STOPPED;
         if (!samples.finite[lane]) continue;
-        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
+        const mrts_terms here = {.torque_speed = terms->torque_speed ? terms->torque_speed + n * MRTS_JOINTS : 0,
+                                 .speed = terms->speed ? terms->speed + n * limits->rows : 0};
         mrts_rows_of_lane(K, &samples, lane, &rows);
         mrts_speed_column(MRTS_JOINTS, limits, &here, &rows, speed);
         mrts_scale_columns(K, &rows, column);
@@ -362,10 +348,6 @@ typedef struct {
     double c2[2];
 } mrts_variant_range;
 
-/*
- * The rows that set an end of a variant's range, and those that conflict where it has none.
- */
-
 /* As of mrts/program: a multiplier above this share of the largest binds; limits are moved outward by this share of
  * themselves, and a row is at its limit if no solution keeps further away than this share. One above MRTS_SURE is so in
  * any case. */
@@ -486,7 +468,6 @@ typedef struct {
     int *iwork;
 } mrts_variant_motion;
 
-/* How far apart the inputs of two samples lie. */
 static const long long mrts_apart[] = {MRTS_JOINTS, MRTS_JOINTS, MRTS_JOINTS, 9, 6, 6, 0, 0};
 
 /* The least (end 0) or largest c^2 of sample n, as mrts_ranges finds it, started cold; the status of its program, with
@@ -534,7 +515,6 @@ static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant
     return mrts_name_rows(&in->here, &in->rows, end, its, x, basis, y, range, in->work, in->iwork) ? MRTS_OPTIMAL : MRTS_STOPPED;
 }
 
-/* Why a sample has no range: the limits that conflict there. */
 static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_range *range) {
     double x[MRTS_VK], y[MRTS_VK], c2;
     int basis[MRTS_VK], entering;
@@ -564,7 +544,6 @@ static int mrts_range_of_variant(mrts_variant_motion *in, mrts_variant_range *ra
     return status == MRTS_OPTIMAL ? mrts_settle(in, 1, high, range) : status;
 }
 
-/* Reals and ints of work of mrts_variant_ranges. */
 MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *reals, long long *ints) {
     const int most = 2 * rows + MRTS_MOST_NAMED;
     long long of_ranges, ints_of_ranges;
@@ -579,10 +558,11 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
  * `limits` has the rows, each variant its own lower and upper sides and values. Variants with `skipped` are passed
  * over. */
 MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const double *const *given,
-                                     const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
-                                     const unsigned char *skipped, mrts_variant_range *range, double *work, int *iwork) {
+                                     const long long *stride, const mrts_limits *limits, const unsigned char *skipped,
+                                     mrts_variant_range *range, double *work, int *iwork) {
     enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, MOST, LOWER, UPPER, VALUES, GIVEN };
     const int most = 2 * limits->rows + MRTS_MOST_NAMED;
+    static const mrts_terms none = {0};
     mrts_limits here = *limits;
     double base[9 * MRTS_ROBOTS];
     mrts_variant_motion in = {.samples = samples};
@@ -599,7 +579,6 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
         const double *const inputs[] = {of[Q],     of[DQ],           of[DDQ],  columns,
                                         of[TWIST], of[ACCELERATION], of[LOAD], of[GEOMETRY]};
-        const mrts_terms own = mrts_terms_of_sample(terms, v * samples, limits->rows);
         here.lower = of[LOWER];
         here.upper = of[UPPER];
         here.value = of[VALUES];
@@ -613,9 +592,9 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         }
         range[v].status = MRTS_STOPPED;
         if (!mrts_rows_over(MRTS_VK, &here, work, iwork, &in.rows)) continue;
-        mrts_ranges(samples, inputs, mrts_apart, &here, &own, in.most, in.found, ranges_work, ranges_iwork);
+        mrts_ranges(samples, inputs, mrts_apart, &here, &none, in.most, in.found, ranges_work, ranges_iwork);
         in.inputs = inputs;
-        mrts_samples_in(&here, &own, &in.rows, samples_work, &in.here);
+        mrts_samples_in(&here, &none, &in.rows, samples_work, &in.here);
         range[v].status = mrts_range_of_variant(&in, range + v);
     }
 }

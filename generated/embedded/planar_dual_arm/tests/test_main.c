@@ -24,19 +24,6 @@ static void demand(int holds, int vector, const char *what, double ours, double 
     if (failures <= 10) printf("vector %d: %s is %.10g, expected %.10g\n", vector, what, ours, theirs);
 }
 
-/* The larger side of a torque's limit; of the largest torque if it has none or is zero. */
-static double unit_of(const planar_dual_arm_settings *settings, int joint) {
-    double own = 0, largest = 0;
-    for (int i = 0; i < PLANAR_DUAL_ARM_JOINTS; ++i) {
-        const double low = fabs((double)settings->lower[i]), high = fabs((double)settings->upper[i]);
-        double size = low < (double)PLANAR_DUAL_ARM_UNLIMITED ? low : 0;
-        if (high < (double)PLANAR_DUAL_ARM_UNLIMITED && high > size) size = high;
-        if (i == joint) own = size;
-        if (size > largest) largest = size;
-    }
-    return own > 0 ? own : largest;
-}
-
 static void compare(int k, const char *what, const planar_dual_arm_range *range, int status, double lower, double upper,
                     int *undecided) {
     if (range->status == PLANAR_DUAL_ARM_UNDECIDED) {
@@ -115,8 +102,9 @@ int main(void) {
             continue;
         }
         for (int joint = 0; joint < PLANAR_DUAL_ARM_JOINTS; ++joint) {
-            demand(fabs((double)torque[joint] - vector->torque[joint]) <= 10 * TOLERANCE * unit_of(&settings, joint), k, "torque",
-                   (double)torque[joint], vector->torque[joint]);
+            const double found = (double)torque[joint], wanted = vector->torque[joint];
+            const double limit = 1 / sqrt((double)settings.weight[joint]);
+            demand(fabs(found - wanted) <= 10 * TOLERANCE * limit, k, "torque", found, wanted);
         }
     }
     printf("%d vectors: %d ok, %d unbounded, %d infeasible, %d undecided; %d mismatches\n", PLANAR_DUAL_ARM_VECTORS,

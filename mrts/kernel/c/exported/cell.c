@@ -33,8 +33,21 @@ enum {
     F = CELL_UNKNOWNS - 1
 };
 
-/* Size of an array, or an error at compile time where the workspace does not hold what the kernel asks for. */
-#define HOLDS(field, type, count) (sizeof(((cell_workspace *)0)->field) >= (count) * sizeof(type) ? 1 : -1)
+/* An error at compile time where the workspace does not hold what the kernel asks for. */
+#define HOLDS(field, type, count) (sizeof(((cell_workspace *)0)->field) >= (count) * sizeof(type))
+typedef char workspace_holds[HOLDS(rows, mrts_real, MRTS_ROWS_WORK(K, ROWS)) && HOLDS(which, int, MRTS_ROWS_IWORK(ROWS)) &&
+                             HOLDS(form, mrts_real, MRTS_FORM_WORK(K, JOINTS, WRENCHES)) &&
+                             HOLDS(work, mrts_real, MRTS_LP_WORK(K)) && HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS)) &&
+                             HOLDS(work, mrts_real, MRTS_QP_WORK(F)) && HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))
+                                 ? 1 : -1];
+#if CELL_TURNED
+typedef char turned_holds[HOLDS(turned, mrts_real, MRTS_TURNED_WORK(K, WRENCHES)) ? 1 : -1];
+#endif
+#if CELL_MOTORS
+typedef char curve_holds[HOLDS(curve, mrts_real, MRTS_CURVE_WORK(K, ROWS)) &&
+                         HOLDS(curve_integers, int, MRTS_CURVE_IWORK(K, ROWS)) &&
+                         HOLDS(basis, int, 2 * K + MRTS_CURVE_BASES * (K + 1)) ? 1 : -1];
+#endif
 
 /* Whether all values are finite, and their sum too. */
 static int all_finite(int count, const mrts_real *values) {
@@ -44,15 +57,10 @@ static int all_finite(int count, const mrts_real *values) {
 }
 
 const char *cell_status_text(cell_status status) {
-    switch (status) {
-    case CELL_OK: return "ok";
-    case CELL_UNBOUNDED: return "unbounded: nothing limits the speed";
-    case CELL_INFEASIBLE: return "infeasible: limits conflict at every speed";
-    case CELL_EMPTY: return "empty: no c^2 in common";
-    case CELL_UNDECIDED: return "undecided at this precision";
-    case CELL_BAD_ARGUMENT: return "bad argument";
-    default: return "unknown status";
-    }
+    static const char *const texts[] = {"ok", "unbounded: nothing limits the speed",
+                                        "infeasible: limits conflict at every speed", "empty: no c^2 in common",
+                                        "undecided at this precision", "bad argument"};
+    return (unsigned)status <= CELL_BAD_ARGUMENT ? texts[status] : "unknown status";
 }
 
 const char *cell_row_text(int row) {
@@ -69,7 +77,6 @@ static int are_positive(int count, const mrts_real *values) {
     return sound;
 }
 
-/* Whether limits of accelerations, points and things are > 0, lower ones < 0. */
 static int has_sound_motions(const cell_settings *settings) {
     int sound = are_positive(JOINTS, settings->acceleration_upper) && are_positive(2, settings->object_acceleration);
     for (int i = 0; i < JOINTS; ++i) sound &= settings->acceleration_lower[i] < 0;
@@ -159,21 +166,14 @@ static void point_to(const cell_sample *sample, const mrts_real *load, mrts_real
 #if CELL_MOTORS
 static int sign_beyond(mrts_real value, mrts_real rest) { return value > rest ? 1 : value < -rest ? -1 : 0; }
 
-/* Signs of a joint's velocity just before and just after a sample, 0 where it stands: where q' = 0 it arrives against
- * q'' and leaves along it. */
-static void directions(const cell_sample *sample, const cell_settings *settings, int joint, int *before, int *after) {
+/* Dry friction of a joint, against its velocity just before and just after a sample: where q' = 0 it arrives against q'' and
+ * leaves along it. Where it turns back that is 0, and acts in both directions with `turning`. */
+static mrts_real dry_friction(const cell_sample *sample, const cell_settings *settings, int joint, mrts_real *turning) {
     const int moving = sign_beyond(sample->dq[joint], settings->rest_speed);
     const int leaving = sign_beyond(sample->ddq[joint], settings->rest_acceleration);
-    *before = moving != 0 ? moving : -leaving;
-    *after = moving != 0 ? moving : leaving;
-    if (sample->place == CELL_START) *before = *after;
-    if (sample->place == CELL_END) *after = *before;
-}
-
-/* Dry friction of a joint; where it turns back that is 0, and acts in both directions with `turning`. */
-static mrts_real dry_friction(const cell_sample *sample, const cell_settings *settings, int joint, mrts_real *turning) {
-    int before, after;
-    directions(sample, settings, joint, &before, &after);
+    int before = moving != 0 ? moving : -leaving, after = moving != 0 ? moving : leaving;
+    if (sample->place == CELL_START) before = after;
+    if (sample->place == CELL_END) after = before;
     *turning = before != after ? settings->coulomb[joint] : 0;
     return before == after ? settings->coulomb[joint] * (mrts_real)after : 0;
 }
@@ -198,12 +198,6 @@ void cell_terms(const cell_sample *sample, const cell_settings *settings, cell_t
 #define NO_EFFECT MRTS_C(1e-30) /* an effect of c^2 = 1 on a limit below this share of it is none */
 #define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
 
-typedef char rows_hold[HOLDS(rows, mrts_real, MRTS_ROWS_WORK(K, ROWS))];
-typedef char which_holds[HOLDS(which, int, MRTS_ROWS_IWORK(ROWS))];
-#if CELL_TURNED
-typedef char turned_holds[HOLDS(turned, mrts_real, MRTS_TURNED_WORK(K, WRENCHES))];
-#endif
-
 /* Whether all numbers of a sample and its load are finite, and the mass is > 0. */
 static int is_sound(const cell_sample *sample, const mrts_real *load) {
     mrts_real sum = 0;
@@ -222,7 +216,6 @@ static mrts_limits limits_of(const cell_settings *settings) {
     return limits;
 }
 
-/* The largest c^2 that is asked for. */
 static mrts_real most_asked(const cell_settings *settings) {
 #if CELL_MOTORS
     return settings->most;
@@ -254,7 +247,6 @@ static void cap_velocities(const cell_sample *sample, const mrts_real *limit, mr
 
 enum { FIRST_POINT = VELOCITIES + JOINTS + 2, FIRST_THING = FIRST_POINT + 2 * CELL_POINTS };
 
-/* Caps c^2 by accelerations of joints and object. */
 static void cap_accelerations(const cell_sample *sample, const cell_settings *settings, mrts_real *most, int *binding) {
     for (int i = 0; i < JOINTS; ++i) {
         const mrts_real *limit = sample->ddq[i] > 0 ? settings->acceleration_upper : settings->acceleration_lower;
@@ -267,7 +259,6 @@ static void cap_accelerations(const cell_sample *sample, const cell_settings *se
 #endif
 #if CELL_POINTS
 
-/* Caps c^2 by speeds and accelerations of points. */
 static void cap_points(const cell_sample *sample, const cell_settings *settings, mrts_real *most, int *binding) {
     for (int i = 0; i < CELL_POINTS; ++i) {
         mrts_real velocity[3], acceleration[3], place[3];
@@ -484,9 +475,6 @@ static int build_rows(const cell_sample *sample, const cell_settings *settings, 
            mrts_build_rows(unknowns, JOINTS, WRENCHES, form, &limits, &terms, rows);
 }
 
-typedef char form_holds[HOLDS(form, mrts_real, MRTS_FORM_WORK(K, JOINTS, WRENCHES))];
-
-/* The wrench form of a sample, in the workspace. */
 static mrts_form wrench_form(const cell_sample *sample, const mrts_real *load, cell_workspace *workspace) {
     mrts_real turned[9];
     const mrts_real *arg[7];
@@ -498,10 +486,6 @@ static mrts_form wrench_form(const cell_sample *sample, const mrts_real *load, c
 }
 
 #if CELL_MOTORS
-typedef char curve_holds[HOLDS(curve, mrts_real, MRTS_CURVE_WORK(K, ROWS))];
-typedef char curve_integers_hold[HOLDS(curve_integers, int, MRTS_CURVE_IWORK(K, ROWS))];
-typedef char basis_holds[HOLDS(basis, int, 2 * K + MRTS_CURVE_BASES * (K + 1))];
-
 /* What the speed c adds to each of the rows just built, in the workspace; whether that is anything. */
 static int has_speed_terms(const cell_settings *settings, const mrts_rows *rows, cell_workspace *workspace) {
     const mrts_limits limits = limits_of(settings);
@@ -535,9 +519,6 @@ static cell_status speeds_of(int k, const mrts_rows *rows, const mrts_real *colu
 #endif
 
 #define BINDING MRTS_EITHER(1e-7, 1e-4) /* a row binds if its multiplier exceeds this share of the largest */
-
-typedef char lp_work_holds[HOLDS(work, mrts_real, MRTS_LP_WORK(K))];
-typedef char lp_integers_hold[HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS))];
 
 /* A row of the programs as cell_range names it; `velocity` bounds c^2 by itself. */
 static int name_of(int code, int at_lower, const mrts_rows *rows, int velocity) {
@@ -851,9 +832,6 @@ cell_status cell_equal_share_range(const cell_sample *sample, const cell_setting
 }
 
 #define TORQUE_WIDENING MRTS_EITHER(1e-9, 1e-5) /* of limits: at the end of a range the feasible set is a point */
-
-typedef char qp_work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
-typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
 
 cell_status cell_torques(const cell_sample *sample, const cell_settings *settings, mrts_real c2,
                          mrts_real torque[CELL_JOINTS], mrts_real wrench[CELL_WRENCHES], cell_workspace *workspace) {

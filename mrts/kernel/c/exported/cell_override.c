@@ -84,7 +84,6 @@ static int nearer(const cell_segment *at, int side, cell_real share) {
     return node->active[2 * side + (share > (cell_real)0.5)];
 }
 
-/* The acceleration until the next tick. */
 static void choose(const cell_plan *plan, cell_real wanted, cell_real dt, cell_override *state) {
     const cell_segment at = segment_of(plan, state);
     const cell_real most = most_at(&at), fastest = plan->varies ? MRTS_SQRT(most) : most, speed = state->speed;
@@ -138,7 +137,6 @@ static void choose(const cell_plan *plan, cell_real wanted, cell_real dt, cell_o
     state->active = active;
 }
 
-/* Joints, torques and wrenches of a state. */
 static void play(const cell_plan *plan, cell_override *state) {
     const cell_segment at = segment_of(plan, state);
     const cell_plan_node *a = at.here, *b = at.next;

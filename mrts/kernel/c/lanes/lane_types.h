@@ -33,7 +33,6 @@ static inline mrts_lanes mrts_roots(mrts_lanes a) {
     return (mrts_lanes){MRTS_SQRT(a[0]), MRTS_SQRT(a[1]), MRTS_SQRT(a[2]), MRTS_SQRT(a[3])};
 }
 
-/* One lane of some numbers. */
 static inline void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
     const double *numbers = (const double *)(const void *)from + lane;
     for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];

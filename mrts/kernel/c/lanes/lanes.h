@@ -95,7 +95,6 @@ static inline mrts_lanes mrts_term(const double *all, const long long *at, int s
     return value;
 }
 
-/* Takes inputs alone. */
 static inline void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
                                     int all, mrts_lane_inputs *lanes) {
     static const int sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
@@ -130,7 +129,6 @@ static inline void mrts_samples_in(const mrts_limits *limits, const mrts_terms *
     samples->rows.size = next + rows->count + K;
 }
 
-/* Takes the terms of the samples. */
 static inline void mrts_take_terms(mrts_samples *samples) {
     const mrts_terms *all = samples->terms;
     const double *given[] = {all->torque_square, all->torque_offset, all->square, all->offset, all->margin};

@@ -16,7 +16,6 @@ typedef struct {
     const int *slides;       /* whether the joint is prismatic, (joints) */
 } mrts_chain;
 
-/* a x b. */
 static inline void mrts_cross(const mrts_real *a, const mrts_real *b, mrts_real *out) {
     out[0] = a[1] * b[2] - a[2] * b[1];
     out[1] = a[2] * b[0] - a[0] * b[2];

@@ -131,7 +131,6 @@ static void mrts_no_cut(mrts_curve *curve) {
     curve->upper[curve->rows - 1] = MRTS_INFINITY;
 }
 
-/* Bounds of x and y. */
 static void mrts_box(mrts_curve *curve, mrts_real least_x, mrts_real most_x, mrts_real least_y, mrts_real most_y) {
     const int x = curve->rows + curve->n - 2;
     curve->lower[x] = least_x;
@@ -206,7 +205,6 @@ static mrts_real mrts_above_curve(mrts_point a, mrts_point b, mrts_real *low, mr
     return height;
 }
 
-/* Whether a point lies above the parabola. */
 static int mrts_is_above(mrts_point p) { return p.x - p.y * p.y > MRTS_EDGES * mrts_near_curve(p.y); }
 
 /* Keeps what determined the last answer as what determines an end (0: low, 1: high). */
