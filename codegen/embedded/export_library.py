@@ -115,7 +115,6 @@ def export_library(
         texts[f"include/{name}_override.h"] = implementation("cell_override.h")
         texts[f"src/{name}_override.c"] = implementation("cell_override.c")
         texts[f"src/{name}_plan.c"] = template("cell_plan.c")
-        texts["examples/override.c"] = implementation("example_override.c")
     return texts | {file: template(f"project/{file}") for file in ("Makefile", "CMakeLists.txt", "README.md")}
 
 

@@ -74,11 +74,11 @@ def test_it_plays_what_python_plays_and_refuses_what_is_no_wish(played, exports,
 def test_a_plan_compiles_without_a_warning_as_c_and_cpp(exports, precision, tmp_path):
     folder = exports(precision)
     places = [f"-I{folder}/include", *DEFINES, "-o", tmp_path / "o", "-c"]
-    for source in (*sources(folder), folder / "examples" / "override.c"):
+    for source in sources(folder):
         for compiler in ("gcc", "clang"):
             run(tool(compiler, compiler), *WARNINGS, "-O2", *places, source)
-    run(tool("g++", "g++"), "-std=c++17", "-x", "c++", "-Wall", "-Wextra", "-Werror", *places,
-        folder / "examples" / "override.c")  # fmt: skip
+    header = folder / "include" / "dual_ur5_override.h"
+    run(tool("g++", "g++"), "-std=c++17", "-x", "c++", "-Wall", "-Wextra", "-Werror", *places, header)
 
 
 @pytest.mark.slow

@@ -158,9 +158,7 @@ MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, 
     }
 }
 
-/*
- * How far given joints are from holding an object that moves as given, over all samples of a motion.
- */
+/* How far given joints are from holding an object that moves as given, over all samples of a motion. */
 
 /* What is told of an arm, the largest of all samples: the distance of its tip from its grasp, squared [m^2], the squares of
  * the differences of their rotation matrices, summed, and the largest component of velocities and of accelerations, of what

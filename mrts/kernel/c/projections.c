@@ -38,9 +38,7 @@ typedef struct {
 #define MRTS_PROJECT_WORK(k) (MRTS_LP_WORK(k) + 3 * (k) + (MRTS_CORNERS + 1) * (2 + 2 * (k)))
 #define MRTS_PROJECT_IWORK(k, rows) (MRTS_LP_IWORK(k, rows) + (MRTS_CORNERS + 1) * (k))
 
-/*
- * Corners are found by linear programs: outward of every edge, until nothing lies outside.
- */
+/* Corners are found by linear programs: outward of every edge, until nothing lies outside. */
 
 /* A corner, with the rows that determine it and how their multipliers depend on the direction (du, dx). */
 typedef struct {
@@ -230,9 +228,7 @@ static int mrts_project(const mrts_polytope *in, mrts_outline *outline, int *cou
     return status;
 }
 
-/*
- * Corners of several samples that share their bases: each is solved for, and checked when all rows are put in.
- */
+/* Corners of several samples that share their bases: each is solved for, and checked when all rows are put in. */
 
 /* Polytopes one after the other: rows which[0 .. rows - 1] of `all` rows of A, Shape (count, all, k), whose columns are
  * multiplied by scale, Shape (count, k), and bounds of u and x, the last two of the k unknowns, Shape (count, 2) each. */

@@ -364,9 +364,7 @@ static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *
     }
 }
 
-/*
- * The objective of smooth timing and all second derivatives, by nodes and segments, along x, u and the rows' values.
- */
+/* The objective of smooth timing and all second derivatives, by nodes and segments, along x, u and the rows' values. */
 
 /* Half the lengths of the segments beside a node: the trapezoidal rule. */
 static double mrts_smooth_spacing(const mrts_smooth_program *p, int k) {
@@ -575,8 +573,7 @@ static long long mrts_front_size(const mrts_smooth_program *p) {
 
 static long long mrts_front_work(const mrts_smooth_program *p) {
     const long long f = p->free;
-    return (2 * f + 3) * (2 * f + 3) + (f + 2) + (f + 2) * (f + 2) +
-           (2 * f + 3) / MRTS_FRONT_ROWS + 1;
+    return (2 * f + 3) * (2 * f + 3) + (f + 2) + (f + 2) * (f + 2) + (2 * f + 3) / MRTS_FRONT_ROWS + 1;
 }
 
 static int mrts_front_held(const mrts_smooth_program *p, int k) {

@@ -627,9 +627,7 @@ static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, con
 
 #endif
 
-/*
- * Inverse kinematics at a sample of a path, from positions that those before it predict.
- */
+/* Inverse kinematics at a sample of a path, from positions that those before it predict. */
 
 /* How far the prediction from two samples may be from that of one [rad or m]: beyond, something jumps. */
 #define MRTS_SMOOTH 1e-2
@@ -687,8 +685,7 @@ static void mrts_track_sample(const mrts_tracking *task, const double *time, con
         mrts_predict(q - M, dq - M, ddq - M, h, *even, left_out, taylor, q);
     }
 #ifndef MRTS_UNEVEN
-    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held) &&
-        mrts_note_jumps(q, taylor, held) <= task->jump) {
+    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held) && mrts_note_jumps(q, taylor, held) <= task->jump) {
         return;
     }
 #endif
@@ -698,9 +695,7 @@ static void mrts_track_sample(const mrts_tracking *task, const double *time, con
     mrts_note_jumps(q, taylor, held);
 }
 
-/*
- * The joints of many variants of a cell along its motion: where each starts, and how its arms follow from there.
- */
+/* The joints of many variants of a cell along its motion: where each starts, and how its arms follow from there. */
 
 /* How variants start and follow. */
 typedef struct {

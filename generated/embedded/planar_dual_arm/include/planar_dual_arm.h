@@ -186,7 +186,8 @@ planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sa
 /* Corners of the cell file's load variation. */
 extern const planar_dual_arm_real planar_dual_arm_load_corners[PLANAR_DUAL_ARM_CORNERS][PLANAR_DUAL_ARM_LOAD];
 
-/* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
+/* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time, unless
+ * rows have terms in the speed. */
 planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
                                    planar_dual_arm_workspace *workspace);
 

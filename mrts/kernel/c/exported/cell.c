@@ -639,8 +639,7 @@ static cell_status range_of_speed(int k, mrts_rows *rows, mrts_real most, int fa
     range->lower_count = 1;
     range->lower_rows[0] = 0;
     if (found.low > 0) {
-        name_end(&curve, rows, reach, fastest, 1, basis, workspace, &found.low, &range->lower_count,
-                 range->lower_rows);
+        name_end(&curve, rows, reach, fastest, 1, basis, workspace, &found.low, &range->lower_count, range->lower_rows);
     }
     range->upper_count = fastest != 0;
     range->upper_rows[0] = fastest;

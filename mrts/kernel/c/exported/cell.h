@@ -168,7 +168,8 @@ cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings
 /* Corners of the cell file's load variation. */
 extern const cell_real cell_load_corners[CELL_CORNERS][CELL_LOAD];
 
-/* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time. */
+/* Range of c^2 where every arm carries an equal share of the load: closed form, one row at a time, unless
+ * rows have terms in the speed. */
 cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings, cell_range *range,
                                    cell_workspace *workspace);
 
