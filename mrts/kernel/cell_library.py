@@ -145,7 +145,7 @@ class CellLibrary:
         those of the wrench form, by name, limits from `sparse_limits`.
         """
         given, strides = sample_inputs(self.records["wrench_form"], samples, inputs)
-        work = work_arrays(self.opened, name, limits.rows)
+        work = work_arrays(self.opened, "mrts_samples", limits.rows)
         where = samples, given, strides, limits, filled(TERMS, **terms)
         failed = getattr(self.opened, name)(*where, *asked, *for_all, *outputs, *work)
         assert not failed  # noqa: S101 (`sparse_limits` has looked at the limits)

@@ -41,7 +41,7 @@ class Programs:
         name, given = ("mrts_lp_batch", [g]) if H is None else ("mrts_qp_batch", [H, g])
         arrays = [np.clip(array, -INFINITY, INFINITY) for array in (*given, A, lower, upper)]
         x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
-        work = work_arrays(self._library, name, k, rows)
+        work = work_arrays(self._library, "mrts_batch", k, rows)
         getattr(self._library, name)(count, k, rows, *arrays, x, dual, status, *work)
         return x, dual, status
 
@@ -61,7 +61,7 @@ class Programs:
         given = [np.clip(array, -INFINITY, INFINITY) for array in (A, lower, upper, column, speed, most)]
         low, high, gap = np.zeros((3, count))
         dual, status = np.zeros((2, count, rows)), np.full(count, STOPPED, dtype=np.uint8)
-        work = work_arrays(self._library, "mrts_interval_batch", k, rows)
+        work = work_arrays(self._library, "mrts_batch", k, rows)
         self._library.mrts_interval_batch(count, k, rows, *given, low, high, gap, *dual, status, *work)
         high[high >= INFINITY] = np.inf
         return low, high, gap, dual, status

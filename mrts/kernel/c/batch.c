@@ -6,14 +6,10 @@
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
 
-MRTS_EXPORT void mrts_lp_batch_work(int k, int rows, long long *reals, long long *ints) {
-    *reals = MRTS_LP_WORK(k) + k;
-    *ints = MRTS_LP_IWORK(k, rows) + k;
-}
-
-MRTS_EXPORT void mrts_qp_batch_work(int k, int rows, long long *reals, long long *ints) {
-    *reals = MRTS_QP_WORK(k) + k;
-    *ints = MRTS_QP_IWORK(k, rows) + k;
+/* Reals and ints of work of each batch of programs. */
+MRTS_EXPORT void mrts_batch_work(int k, int rows, long long *reals, long long *ints) {
+    *reals = MRTS_LP_WORK(k) + MRTS_QP_WORK(k) + MRTS_CURVE_WORK(k, rows) + 4 * k + 2;
+    *ints = MRTS_LP_IWORK(k, rows) + MRTS_QP_IWORK(k, rows) + MRTS_CURVE_IWORK(k, rows) + (MRTS_CURVE_BASES + 2) * (k + 1);
 }
 
 /* `count` linear programs, each started from the answer of the one before. Limits of rows and, after them, of the
@@ -53,11 +49,6 @@ MRTS_EXPORT void mrts_qp_batch(long long count, int k, int rows, const double *H
             d[mrts_abs(active[j]) - 1] = active[j] < 0 ? -u[j] : u[j];
         }
     }
-}
-
-MRTS_EXPORT void mrts_interval_batch_work(int k, int rows, long long *reals, long long *ints) {
-    *reals = MRTS_CURVE_WORK(k, rows) + k + 2 * (k + 1);
-    *ints = MRTS_CURVE_IWORK(k, rows) + (MRTS_CURVE_BASES + 2) * (k + 1);
 }
 
 /* The highest interval of speeds c <= most of `count` samples with rows over k unknowns, c^2 last, whose columns have been

@@ -35,14 +35,13 @@ MRTS_EXPORT void mrts_forms(long long count, const double *const *in, const long
     }
 }
 
-MRTS_EXPORT void mrts_ranges_work(int rows, long long *reals, long long *ints) {
-    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_LP_WORK(MRTS_UNKNOWNS) + MRTS_SAMPLES_WORK(rows);
-    *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_UNKNOWNS, rows);
-}
-
-MRTS_EXPORT void mrts_torques_work(int rows, long long *reals, long long *ints) {
-    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_QP_WORK(MRTS_UNKNOWNS - 1) + MRTS_SAMPLES_WORK(rows);
-    *ints = MRTS_ROWS_IWORK(rows) + MRTS_QP_IWORK(MRTS_UNKNOWNS - 1, rows);
+/* Reals and ints of work of each function over samples, of so many rows of limits. */
+MRTS_EXPORT void mrts_samples_work(int rows, long long *reals, long long *ints) {
+    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
+    const int sides = 2 * rows; /* each limit by itself */
+    *reals = MRTS_ROWS_WORK(K, rows) + MRTS_SAMPLES_WORK(rows) + MRTS_QP_WORK(F) + MRTS_LP_WORK(K) + sides * K +
+             2 * (sides + K) + rows + MRTS_CURVE_WORK(K, rows);
+    *ints = MRTS_ROWS_IWORK(rows) + MRTS_QP_IWORK(F, rows) + MRTS_LP_IWORK(K, sides) + MRTS_CURVE_IWORK(K, rows);
 }
 
 /* Unknowns of a range whose rows have terms in c beside those in c^2. */
@@ -171,11 +170,6 @@ static short mrts_row_of_curve(const mrts_limits *limits, const mrts_rows *rows,
     if (row == rows->count) return 0;
     if (row < rows->count) return mrts_row_of_limits(limits, rows, code);
     return mrts_row_of_limits(limits, rows, code < 0 ? -of_speed : of_speed);
-}
-
-MRTS_EXPORT void mrts_speed_ranges_work(int rows, long long *reals, long long *ints) {
-    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + rows + MRTS_CURVE_WORK(MRTS_UNKNOWNS, rows) + MRTS_SAMPLES_WORK(rows);
-    *ints = MRTS_ROWS_IWORK(rows) + MRTS_CURVE_IWORK(MRTS_UNKNOWNS, rows);
 }
 
 /* As mrts_ranges, where rows have terms in c beside those in c^2: the highest intervals. A tangent is no row. */
@@ -547,7 +541,7 @@ static int mrts_range_of_variant(mrts_variant_motion *in, mrts_variant_range *ra
 MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *reals, long long *ints) {
     const int most = 2 * rows + MRTS_MOST_NAMED;
     long long of_ranges, ints_of_ranges;
-    mrts_ranges_work(rows, &of_ranges, &ints_of_ranges);
+    mrts_samples_work(rows, &of_ranges, &ints_of_ranges);
     *reals = MRTS_ROWS_WORK(MRTS_VK, rows) + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK) + MRTS_SAMPLES_WORK(rows) +
              (long long)samples * MRTS_SAMPLE_FOUND + of_ranges;
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_VK, most) + ints_of_ranges;

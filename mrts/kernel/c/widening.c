@@ -7,16 +7,6 @@
 #include "lanes/lanes.h"
 #include "quadratic_programs.h"
 
-/* Sides of so many rows: each limit by itself. */
-#define MRTS_SIDES(rows) (2 * (rows))
-
-MRTS_EXPORT void mrts_widenings_work(int rows, long long *reals, long long *ints) {
-    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
-    const int sides = MRTS_SIDES(rows), sides_ints = MRTS_LP_IWORK(K, sides), nearest_ints = MRTS_QP_IWORK(F, rows);
-    *reals = MRTS_ROWS_WORK(K, rows) + MRTS_QP_WORK(F) + sides * K + 2 * (sides + K) + MRTS_LP_WORK(K) + MRTS_SAMPLES_WORK(rows);
-    *ints = MRTS_ROWS_IWORK(rows) + (sides_ints > nearest_ints ? sides_ints : nearest_ints);
-}
-
 /* What is known of the wrenches when a sample is looked at. */
 typedef struct {
     double wrench[MRTS_UNKNOWNS]; /* those of the sample before that are free */
@@ -90,7 +80,7 @@ static int mrts_nearest_kept(int k, const mrts_rows *rows, double *x, int *activ
 /* Least s >= 0 such that some x keeps all limits moved outward by s: min s, lower - s <= A x <= upper + s. Both are put
  * into x, Shape (k), s last; returns a status of mrts_lp. */
 static int mrts_elastic(int k, const mrts_rows *rows, int *basis, double *x, double *work, int *iwork) {
-    const int most = MRTS_SIDES(rows->count);
+    const int most = 2 * rows->count;
     double *A = work, *lower = A + most * k, *upper = lower + most + k, y[MRTS_UNKNOWNS], g[MRTS_UNKNOWNS];
     int count = 0, entering;
     for (int i = 0; i < rows->count; ++i) {
@@ -136,7 +126,7 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
                                const mrts_terms *terms, const double *c2, const double *unit, double *share,
                                unsigned char *status, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
-    const int sides = MRTS_SIDES(limits->rows);
+    const int sides = 2 * limits->rows;
     double *own_work = work + MRTS_ROWS_WORK(K, limits->rows);
     double *lanes_work = own_work + MRTS_QP_WORK(F) + sides * K + 2 * (sides + K) + MRTS_LP_WORK(K);
     int basis[K] = {0}, tried = 0; /* whether what is known of the wrenches has been tried on the samples at hand */
