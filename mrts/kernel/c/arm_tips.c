@@ -106,7 +106,6 @@ static void mrts_carried(const mrts_arm *arm, const int *components, const mrts_
     mrts_less_cross(twist + 3, turning, acceleration);
 }
 
-/* Puts some numbers of each place where they belong. */
 static void mrts_put_numbers(int count, const mrts_lanes *numbers, const long long *places, double *all) {
     double *own[MRTS_LANES];
     for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane] = all + places[lane] * count;

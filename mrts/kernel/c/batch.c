@@ -149,7 +149,6 @@ typedef struct {
     const double *least_bound, *most_bound;
 } mrts_rates;
 
-/* The interval of u that bounds leave at one x. */
 static inline mrts_rates mrts_rates_at(const mrts_bounds *bounds, double x) {
     mrts_rates u = {-MRTS_INFINITY, MRTS_INFINITY, 0, 0};
     for (const double *bound = bounds->most; bound < bounds->most_end; bound += 2) {

@@ -22,7 +22,6 @@ typedef struct {
     double *upper;
 } mrts_polytope;
 
-/* Reals of a polytope's memory. */
 #define MRTS_POLYTOPE_WORK(k, rows) ((rows) * (k) + 2 * ((rows) + (k)))
 
 /* A projection's corners with their bases, from which the next projection starts; none for a cold start. */
@@ -246,7 +245,6 @@ typedef struct {
     const double *most;
 } mrts_polytopes;
 
-/* Some of them in lanes. */
 typedef struct {
     const mrts_polytopes *of;
     mrts_lanes *A; /* (rows, k) */
@@ -261,19 +259,6 @@ typedef struct {
 #define MRTS_LANE_POLYTOPES_WORK(k, rows) \
     (MRTS_LANES * ((rows) * (k) + 2 * ((rows) + (k)) + MRTS_CORNERS * MRTS_LANE_CORNER(k) + (k) * (k) + 2 * (k)))
 #define MRTS_LANE_POLYTOPES_IWORK(k) (MRTS_CORNERS * (k))
-
-static mrts_lane_polytopes mrts_lane_polytopes_in(const mrts_polytopes *of, double *work, int *iwork) {
-    const int k = of->k, rows = of->rows;
-    mrts_lane_polytopes in;
-    in.of = of;
-    in.A = (mrts_lanes *)(void *)work;
-    in.lower = in.A + rows * k;
-    in.upper = in.lower + rows + k;
-    in.corner = in.upper + rows + k;
-    in.work = in.corner + MRTS_CORNERS * MRTS_LANE_CORNER(k);
-    in.basis = iwork;
-    return in;
-}
 
 /* Takes the samples from `first` on; beyond the last the last is repeated. */
 static void mrts_take_polytopes(long long first, mrts_lane_polytopes *in) {
@@ -466,8 +451,12 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
     mrts_outline outline = {0, iwork, corners};
     int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
     const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
-    mrts_lane_polytopes lanes =
-        mrts_lane_polytopes_in(&of, project_work + MRTS_PROJECT_WORK(k), project_iwork + MRTS_PROJECT_IWORK(k, rows));
+    mrts_lane_polytopes lanes = {.of = &of, .A = (mrts_lanes *)(void *)(project_work + MRTS_PROJECT_WORK(k))};
+    lanes.lower = lanes.A + rows * k;
+    lanes.upper = lanes.lower + rows + k;
+    lanes.corner = lanes.upper + rows + k;
+    lanes.work = lanes.corner + MRTS_CORNERS * MRTS_LANE_CORNER(k);
+    lanes.basis = project_iwork + MRTS_PROJECT_IWORK(k, rows);
     const mrts_lane_mask none = {0};
     mrts_lane_mask known = none;
     for (long long n = 0; n < count; ++n) {

@@ -9,7 +9,6 @@
 
 #include "linear_programs.h"
 
-/* Reals and ints of work. */
 #define MRTS_QP_WORK(k) (3 * (k) * (k) + 7 * (k))
 #define MRTS_QP_IWORK(k, rows) ((rows) + (k))
 

@@ -565,7 +565,6 @@ static inline long long mrts_front_unknowns(const mrts_smooth_program *p) {
 #define MRTS_FRONT_ROWS 4         /* of a front that are worked on together */
 #define MRTS_FRONT_SOFT 1e-15  /* of its diagonal, added to each: F that nothing determines stays where it is */
 
-/* Reals of the factor, and of work of one front. */
 static long long mrts_front_size(const mrts_smooth_program *p) {
     const long long f = p->free;
     return (p->nodes - 1) * (2 * f + 3) * (f + 1) + (f + 2) * (f + 2);
@@ -1134,7 +1133,6 @@ static void mrts_smooth_first(const mrts_smooth_program *p, mrts_smooth_state *a
     }
 }
 
-/* How far an iterate is from an answer. */
 typedef struct {
     double objective, missed, gap, largest; /* of a constraint, of the objective, of multipliers */
 } mrts_smooth_distance;

@@ -40,7 +40,6 @@ typedef struct {
 
 #ifdef MRTS_REDUNDANT
 
-/* One redundant arm at given joint positions. */
 typedef struct {
     mrts_split split;
     double gradient[MRTS_MOST_JOINTS];                   /* h(q) - h(reference) */
@@ -697,7 +696,6 @@ static void mrts_track_sample(const mrts_tracking *task, const double *time, con
 
 /* The joints of many variants of a cell along its motion: where each starts, and how its arms follow from there. */
 
-/* How variants start and follow. */
 typedef struct {
     mrts_tracking task;         /* of the steps at a sample; the geometry is each variant's */
     int start_steps;            /* most Newton steps from the posture to the grasp at the first sample; 0: it holds it */
@@ -721,7 +719,6 @@ enum {
     MRTS_REFUSED = 9       /* by the caller: passed over */
 };
 
-/* Of one arm of a variant. */
 typedef struct {
     int code, sample, joint; /* the joint counted in its arm */
     int start;               /* which led to the grasp: 0 the posture, then the further ones */

@@ -58,16 +58,15 @@ typedef struct {
     int status[2];
 } mrts_range;
 
-/* The rows of a basis as rows of the limits, 0 where there is none. */
-static void mrts_codes(const mrts_limits *limits, const mrts_rows *rows, const int *basis, short *code) {
-    for (int j = 0; j < MRTS_UNKNOWNS; ++j) code[j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
-}
-
-/* Keeps an end of a range, of the answer's unknown c^2 in units of `column`, and its multipliers. */
-static void mrts_keep_range(mrts_range *found, int end, int status, double c2, double column, const double *y) {
+/* Keeps an end of a range, of the answer's unknown c^2 in units of `column`, its basis and its multipliers. */
+static void mrts_keep_range(const mrts_limits *limits, const mrts_rows *rows, const int *basis, int end, int status,
+                            double c2, double column, const double *y, mrts_range *found) {
     found->status[end] = status;
     found->end[end] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
-    for (int j = 0; j < MRTS_UNKNOWNS; ++j) found->dual[end][j] = (float)y[j];
+    for (int j = 0; j < MRTS_UNKNOWNS; ++j) {
+        found->basis[end][j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
+        found->dual[end][j] = (float)y[j];
+    }
 }
 
 /* Solves both programs of one sample from the bases of the one before; `column` is the scale of c^2. */
@@ -83,8 +82,7 @@ static void mrts_range_of_sample(const mrts_limits *limits, const mrts_rows *row
             status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work,
                                    iwork);
         }
-        mrts_codes(limits, rows, basis[end], found->basis[end]);
-        mrts_keep_range(found, end, status, x[K - 1], column, y);
+        mrts_keep_range(limits, rows, basis[end], end, status, x[K - 1], column, y, found);
         if (status != MRTS_OPTIMAL) basis[end][0] = 0;
     }
 }
@@ -92,7 +90,6 @@ static void mrts_range_of_sample(const mrts_limits *limits, const mrts_rows *row
 /* The answers of some samples by the bases of the one before. */
 typedef struct {
     mrts_lanes x[2][MRTS_UNKNOWNS], y[2][MRTS_UNKNOWNS];
-    short code[2][MRTS_UNKNOWNS];
     mrts_lane_mask kept; /* whether both are the answers */
 } mrts_kept_ranges;
 
@@ -111,18 +108,6 @@ static void mrts_try_bases(const mrts_samples *samples, const mrts_rows *rows, i
         g[K - 1] = end ? -1 : 1;
         by->kept &= mrts_kept_basis_lanes(K, of->count, of->A, of->lower, of->upper, g, basis[end], by->x[end], by->y[end], B,
                                           rest);
-        mrts_codes(samples->limits, rows, basis[end], by->code[end]);
-    }
-}
-
-/* Keeps the range of a sample whose ends the bases have answered. */
-static void mrts_keep_lane(const mrts_kept_ranges *by, int lane, double column, mrts_range *found) {
-    enum { K = MRTS_UNKNOWNS };
-    for (int end = 0; end < 2; ++end) {
-        double y[K];
-        mrts_take_lane(K, by->y[end], lane, y);
-        for (int j = 0; j < K; ++j) found->basis[end][j] = by->code[end][j];
-        mrts_keep_range(found, end, MRTS_OPTIMAL, by->x[end][K - 1][lane], column, y);
     }
 }
 
@@ -149,7 +134,11 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
         const double column = samples.column[K - 1][lane];
         found->effect = samples.rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
         if (by.kept[lane]) {
-            mrts_keep_lane(&by, lane, column, found);
+            for (int end = 0; end < 2; ++end) {
+                double y[K];
+                mrts_take_lane(K, by.y[end], lane, y);
+                mrts_keep_range(limits, &rows, basis[end], end, MRTS_OPTIMAL, by.x[end][K - 1][lane], column, y, found);
+            }
             continue;
         }
         if (samples.finite[lane]) {
@@ -450,7 +439,6 @@ static void mrts_name_conflict(const mrts_limits *limits, const mrts_rows *rows,
  * its range. */
 #define MRTS_SAMPLE_FOUND (10 + (long long)(sizeof(mrts_range) / sizeof(double)))
 
-/* What is looked at of a variant, and with what. */
 typedef struct {
     long long samples;
     const double *const *inputs; /* of the wrench form */

@@ -23,14 +23,8 @@
 #define END_JOINT(end) -1
 #endif
 
-enum {
-    JOINTS = PLANAR_DUAL_ARM_JOINTS,
-    WRENCHES = PLANAR_DUAL_ARM_WRENCHES,
-    ROWS = PLANAR_DUAL_ARM_ROWS,
-    VELOCITIES = PLANAR_DUAL_ARM_VELOCITIES,
-    K = PLANAR_DUAL_ARM_UNKNOWNS,
-    F = PLANAR_DUAL_ARM_UNKNOWNS - 1
-};
+enum { JOINTS = PLANAR_DUAL_ARM_JOINTS, WRENCHES = PLANAR_DUAL_ARM_WRENCHES, ROWS = PLANAR_DUAL_ARM_ROWS, VELOCITIES = PLANAR_DUAL_ARM_VELOCITIES };
+enum { K = PLANAR_DUAL_ARM_UNKNOWNS, F = PLANAR_DUAL_ARM_UNKNOWNS - 1 };
 
 /* An error at compile time where the workspace does not hold what the kernel asks for. */
 #define HOLDS(field, type, count) (sizeof(((planar_dual_arm_workspace *)0)->field) >= (count) * sizeof(type))
@@ -215,14 +209,12 @@ static mrts_limits limits_of(const planar_dual_arm_settings *settings) {
     return limits;
 }
 
-static mrts_real most_asked(const planar_dual_arm_settings *settings) {
+/* The largest c^2 that is asked for. */
 #if PLANAR_DUAL_ARM_MOTORS
-    return settings->most;
+#define MOST_ASKED(settings) (settings)->most
 #else
-    (void)settings;
-    return MRTS_INFINITY;
+#define MOST_ASKED(settings) MRTS_INFINITY
 #endif
-}
 
 /* Caps c^2 by a limit of which c^2 = 1 takes this share; what is not finite leaves nothing. */
 static void cap(mrts_real share, int limit, mrts_real *most, int *binding) {
@@ -317,7 +309,6 @@ static inline mrts_span mrts_span_in_cone(const mrts_real *square, const mrts_re
     return found.low <= found.high ? found : nothing;
 }
 
-/* Narrows a span to another one, of a limit. */
 static void narrow(mrts_span *span, mrts_span other, int limit, int binding[2]) {
     if (other.low > span->low) {
         span->low = other.low;
@@ -355,7 +346,6 @@ static mrts_span standing(const planar_dual_arm_sample *sample, const planar_dua
     return span;
 }
 
-/* Narrows a range to the c^2 with which all things stay as they stand. */
 static planar_dual_arm_status keep_standing(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range) {
     int binding[2];
     if (range->status != PLANAR_DUAL_ARM_OK && range->status != PLANAR_DUAL_ARM_UNBOUNDED) return range->status;
@@ -375,11 +365,7 @@ static planar_dual_arm_status keep_standing(const planar_dual_arm_sample *sample
     return range->status = PLANAR_DUAL_ARM_INFEASIBLE;
 }
 #else
-static planar_dual_arm_status keep_standing(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, const planar_dual_arm_range *range) {
-    (void)sample;
-    (void)settings;
-    return range->status;
-}
+#define keep_standing(sample, settings, range) (range)->status
 #endif
 
 /* Largest c^2 that limits of the motion alone allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is
@@ -495,26 +481,6 @@ static int has_speed_terms(const planar_dual_arm_settings *settings, const mrts_
     }
     return 0;
 }
-
-/* The highest interval of admissible speeds of scaled rows over k unknowns, c^2 last, in the returned unit of c. */
-static planar_dual_arm_status speeds_of(int k, const mrts_rows *rows, const mrts_real *column, mrts_real most, int *basis,
-                             mrts_real *speed, planar_dual_arm_workspace *workspace, mrts_curve *curve, mrts_real *unit,
-                             mrts_interval *found) {
-    const mrts_real square =
-        mrts_curve_over(k, rows, column, workspace->by_speed, workspace->curve, workspace->curve_integers, curve);
-    mrts_real end_dual[2 * (K + 1)];
-    int end_basis[2 * (K + 1)];
-    mrts_curve_ends start = {0, basis, end_basis, end_dual};
-    *unit = square > 0 ? MRTS_SQRT(square) : 1;
-    if (*speed > 0 && *speed < MRTS_INFINITY) start.speed = *speed / *unit;
-    const mrts_real fastest = most < MRTS_INFINITY ? MRTS_SQRT(most) / *unit : MRTS_INFINITY;
-    const int status = mrts_highest_interval(curve, fastest, &start, found);
-    *speed = start.speed * *unit;
-    if (status == MRTS_INFEASIBLE) return PLANAR_DUAL_ARM_INFEASIBLE;
-    if (status != MRTS_OPTIMAL) return PLANAR_DUAL_ARM_UNDECIDED;
-    if (found->low <= MRTS_FEASIBLE) found->low = 0; /* that moves no row by more than rounding */
-    return found->high < MRTS_INFINITY || most < MRTS_INFINITY ? PLANAR_DUAL_ARM_OK : PLANAR_DUAL_ARM_UNBOUNDED;
-}
 #endif
 
 #define BINDING MRTS_EITHER(1e-7, 1e-4) /* a row binds if its multiplier exceeds this share of the largest */
@@ -625,16 +591,24 @@ static void name_end(const mrts_curve *curve, mrts_rows *rows, mrts_real most, i
  * from bases and a speed, of which they become those of this range. */
 static planar_dual_arm_status range_of_speed(int k, mrts_rows *rows, mrts_real most, int fastest, int *basis, mrts_real *speed,
                                   planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
-    mrts_real column[K], unit;
-    int *of_curve = basis + 2 * k;
+    mrts_real column[K], end_dual[2 * (K + 1)];
+    int end_basis[2 * (K + 1)], *of_curve = basis + 2 * k;
+    mrts_curve_ends start = {0, of_curve, end_basis, end_dual};
     mrts_interval found;
     mrts_curve curve;
     for (int i = 0; i < MRTS_CURVE_BASES; ++i) check_basis(k + 1, of_curve + i * (k + 1), rows->count + 1);
     mrts_scale_columns(k, rows, column);
-    range->status = speeds_of(k, rows, column, most, of_curve, speed, workspace, &curve, &unit, &found);
-    if (range->status == PLANAR_DUAL_ARM_INFEASIBLE) return conflict_at_rest(k, rows, range, workspace);
-    if (range->status == PLANAR_DUAL_ARM_UNDECIDED) return range->status;
+    const mrts_real square =
+        mrts_curve_over(k, rows, column, workspace->by_speed, workspace->curve, workspace->curve_integers, &curve);
+    const mrts_real unit = square > 0 ? MRTS_SQRT(square) : 1;
     const mrts_real reach = most < MRTS_INFINITY ? MRTS_SQRT(most) / unit : MRTS_INFINITY;
+    if (*speed > 0 && *speed < MRTS_INFINITY) start.speed = *speed / unit;
+    const int status = mrts_highest_interval(&curve, reach, &start, &found);
+    *speed = start.speed * unit;
+    if (status == MRTS_INFEASIBLE) return conflict_at_rest(k, rows, range, workspace);
+    if (status != MRTS_OPTIMAL) return range->status = PLANAR_DUAL_ARM_UNDECIDED;
+    if (found.low <= MRTS_FEASIBLE) found.low = 0; /* that moves no row by more than rounding */
+    range->status = found.high < MRTS_INFINITY || most < MRTS_INFINITY ? PLANAR_DUAL_ARM_OK : PLANAR_DUAL_ARM_UNBOUNDED;
     range->lower_count = 1;
     range->lower_rows[0] = 0;
     if (found.low > 0) {
@@ -698,7 +672,7 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
 
 planar_dual_arm_status planar_dual_arm_range_of_sample(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
                                  planar_dual_arm_workspace *workspace) {
-    range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
+    range_with_load(sample, settings, MOST_ASKED(settings), settings->load, range, workspace);
     return keep_standing(sample, settings, range);
 }
 
@@ -743,7 +717,7 @@ planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sa
                                   int *upper_load, planar_dual_arm_workspace *workspace) {
     int at_lower, at_upper;
     if (count < 1) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
-    range_in_common(sample, settings, most_asked(settings), loads, count, range, &at_lower, &at_upper, workspace);
+    range_in_common(sample, settings, MOST_ASKED(settings), loads, count, range, &at_lower, &at_upper, workspace);
 #if PLANAR_DUAL_ARM_MOTORS
     for (int turn = 0; turn < MOST_TURNS && range->status == PLANAR_DUAL_ARM_EMPTY; ++turn) { /* slower intervals may have one */
         planar_dual_arm_range slower;
@@ -778,7 +752,7 @@ static planar_dual_arm_status share_range(const planar_dual_arm_sample *sample, 
     arg[7] = shares;
     arg[8] = internal;
     planar_dual_arm_model_fixed_distribution(arg, res);
-    const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
+    const mrts_real most = motion_cap(sample, settings, MOST_ASKED(settings), &fastest);
     if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {
         return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     }
@@ -840,7 +814,7 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
     for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
     for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
     if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
-    const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
+    const mrts_real most = motion_cap(sample, settings, MOST_ASKED(settings), &fastest);
     mrts_form form = wrench_form(sample, settings->load, workspace);
     if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     const mrts_weights weights = {settings->weight, 1};

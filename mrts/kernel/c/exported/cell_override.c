@@ -10,7 +10,6 @@ enum { JOINTS = CELL_JOINTS, WRENCHES = CELL_WRENCHES, MOST_TICKS = 100000, HALV
 static cell_real between(cell_real a, cell_real b, cell_real share) { return a + share * (b - a); }
 static cell_real within(cell_real a, cell_real low, cell_real high) { return a < low ? low : a > high ? high : a; }
 
-/* Where between two nodes a state is. */
 typedef struct {
     const cell_plan_node *here, *next;
     cell_real step, share;
