@@ -93,8 +93,7 @@ typedef struct {
     mrts_lane_mask kept; /* whether both are the answers */
 } mrts_kept_ranges;
 
-static void mrts_try_bases(const mrts_samples *samples, const mrts_rows *rows, int (*basis)[MRTS_UNKNOWNS],
-                           mrts_kept_ranges *by) {
+static void mrts_try_bases(const mrts_samples *samples, int (*basis)[MRTS_UNKNOWNS], mrts_kept_ranges *by) {
     enum { K = MRTS_UNKNOWNS };
     const mrts_rows_lanes *of = &samples->rows;
     mrts_lanes B[K * K], rest[K];
@@ -129,7 +128,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             mrts_take_samples(in, stride, n, count, n == 0, &samples);
             mrts_scale_columns_lanes(K, &samples.rows, samples.column);
             mrts_bound_speed_lanes(K, mrts_term(most, samples.inputs.at, 1, 0), samples.column, &samples.rows);
-            mrts_try_bases(&samples, &rows, basis, &by);
+            mrts_try_bases(&samples, basis, &by);
         }
         const double column = samples.column[K - 1][lane];
         found->effect = samples.rows.size[K - 1][lane] > MRTS_NO_EFFECT ? 1 / column : 0;
@@ -148,7 +147,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             found->status[0] = found->status[1] = MRTS_STOPPED;
             basis[0][0] = basis[1][0] = 0;
         }
-        if (lane + 1 < MRTS_LANES) mrts_try_bases(&samples, &rows, basis, &by); /* for the samples beside this one */
+        if (lane + 1 < MRTS_LANES) mrts_try_bases(&samples, basis, &by); /* for the samples beside this one */
     }
     return 0;
 }
