@@ -316,11 +316,7 @@ typedef struct {
 /* Damping, as a share of the trace of J J', of a step that has no other where that is singular. */
 #define MRTS_LEAST_DAMPING 1e-14
 
-/* R v and R'v of a rotation matrix by rows. */
-static void mrts_times(const double *R, const double *v, double *out) {
-    for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * v[0] + R[3 * i + 1] * v[1] + R[3 * i + 2] * v[2];
-}
-
+/* R'v of a rotation matrix by rows. */
 static void mrts_transposed_times(const double *R, const double *v, double *out) {
     for (int i = 0; i < 3; ++i) out[i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
 }
@@ -359,9 +355,8 @@ static void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const
 static void mrts_tip_error(const mrts_arm *arm, const double *position, const double *rotation, const double *tip,
                            const double *tip_rotation, double *off, double *turned, double *gap, double *turn) {
     double target[9];
-    mrts_times(rotation, arm->tip_position, off);
-    for (int i = 0; i < 3; ++i) off[i] += position[i] - tip[i];
     for (int i = 0; i < 3; ++i) {
+        off[i] = mrts_dot(3, rotation + 3 * i, arm->tip_position) + (position[i] - tip[i]);
         for (int j = 0; j < 3; ++j) {
             target[3 * i + j] = rotation[3 * i] * arm->tip_rotation[j] + rotation[3 * i + 1] * arm->tip_rotation[3 + j] +
                                 rotation[3 * i + 2] * arm->tip_rotation[6 + j];

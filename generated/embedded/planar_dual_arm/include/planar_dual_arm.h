@@ -120,6 +120,9 @@ typedef struct {
 typedef struct {
     int basis[2 * PLANAR_DUAL_ARM_UNKNOWNS + 3 * PLANAR_DUAL_ARM_MOTORS * (PLANAR_DUAL_ARM_UNKNOWNS + 1)];
     int which[PLANAR_DUAL_ARM_ROWS], integers[PLANAR_DUAL_ARM_ROWS + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
+#if PLANAR_DUAL_ARM_MOTORS
+    int curve_integers[PLANAR_DUAL_ARM_ROWS + 7 + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
+#endif
     planar_dual_arm_real form[(PLANAR_DUAL_ARM_UNKNOWNS + 1) * (PLANAR_DUAL_ARM_JOINTS + PLANAR_DUAL_ARM_WRENCHES)];
 #if PLANAR_DUAL_ARM_TURNED
     planar_dual_arm_real turned[(PLANAR_DUAL_ARM_UNKNOWNS + 1) * PLANAR_DUAL_ARM_WRENCHES];
@@ -127,7 +130,6 @@ typedef struct {
     planar_dual_arm_real rows[PLANAR_DUAL_ARM_ROWS * (PLANAR_DUAL_ARM_UNKNOWNS + 3) + 3 * PLANAR_DUAL_ARM_UNKNOWNS];
     planar_dual_arm_real work[3 * PLANAR_DUAL_ARM_UNKNOWNS * PLANAR_DUAL_ARM_UNKNOWNS + 7 * PLANAR_DUAL_ARM_UNKNOWNS];
 #if PLANAR_DUAL_ARM_MOTORS
-    int curve_integers[PLANAR_DUAL_ARM_ROWS + 7 + 6 * PLANAR_DUAL_ARM_UNKNOWNS];
     planar_dual_arm_real torque_square[PLANAR_DUAL_ARM_JOINTS], torque_offset[PLANAR_DUAL_ARM_JOINTS], torque_speed[PLANAR_DUAL_ARM_JOINTS];
     planar_dual_arm_real row_offset[PLANAR_DUAL_ARM_ROWS], row_margin[PLANAR_DUAL_ARM_ROWS], row_speed[PLANAR_DUAL_ARM_ROWS], by_speed[PLANAR_DUAL_ARM_ROWS];
     planar_dual_arm_real curve[(PLANAR_DUAL_ARM_ROWS + 1) * (PLANAR_DUAL_ARM_UNKNOWNS + 1) + 2 * (PLANAR_DUAL_ARM_ROWS + PLANAR_DUAL_ARM_UNKNOWNS + 2) +

@@ -102,6 +102,9 @@ typedef struct {
 typedef struct {
     int basis[2 * CELL_UNKNOWNS + 3 * CELL_MOTORS * (CELL_UNKNOWNS + 1)];
     int which[CELL_ROWS], integers[CELL_ROWS + 6 * CELL_UNKNOWNS];
+#if CELL_MOTORS
+    int curve_integers[CELL_ROWS + 7 + 6 * CELL_UNKNOWNS];
+#endif
     cell_real form[(CELL_UNKNOWNS + 1) * (CELL_JOINTS + CELL_WRENCHES)];
 #if CELL_TURNED
     cell_real turned[(CELL_UNKNOWNS + 1) * CELL_WRENCHES];
@@ -109,7 +112,6 @@ typedef struct {
     cell_real rows[CELL_ROWS * (CELL_UNKNOWNS + 3) + 3 * CELL_UNKNOWNS];
     cell_real work[3 * CELL_UNKNOWNS * CELL_UNKNOWNS + 7 * CELL_UNKNOWNS];
 #if CELL_MOTORS
-    int curve_integers[CELL_ROWS + 7 + 6 * CELL_UNKNOWNS];
     cell_real torque_square[CELL_JOINTS], torque_offset[CELL_JOINTS], torque_speed[CELL_JOINTS];
     cell_real row_offset[CELL_ROWS], row_margin[CELL_ROWS], row_speed[CELL_ROWS], by_speed[CELL_ROWS];
     cell_real curve[(CELL_ROWS + 1) * (CELL_UNKNOWNS + 1) + 2 * (CELL_ROWS + CELL_UNKNOWNS + 2) +
