@@ -19,12 +19,7 @@ from mrts_codegen.equations.arm_dynamics import (
     frame_jacobian,
     mass_matrix,
 )
-from mrts_codegen.equations.cooperative_terms import (
-    CooperativeTerms,
-    cooperative_terms,
-    sample_symbols,
-    split_joints,
-)
+from mrts_codegen.equations.cooperative_terms import CooperativeTerms, cooperative_terms, sample_symbols, split_joints
 from mrts_codegen.equations.formulations import fixed_distribution, torque_form, wrench_form
 from mrts_codegen.equations.geometry import Geometry, geometry_numbers, geometry_symbols
 from mrts_codegen.equations.played_torques import played_torques

@@ -87,10 +87,7 @@ def _manifest(cell: Any) -> CellManifest:
 
     folder, chains = _chains_in_cache(cell)
     if chains is None:
-        from mrts_codegen.generate import (  # noqa: PLC0415 (the symbolic layer, only if it is needed)
-            generate_chains,
-            write_generated,
-        )
+        from mrts_codegen.generate import generate_chains, write_generated  # noqa: PLC0415 (the symbolic layer, only if it is needed)
 
         chains, c_source, _ = generate_chains(cell, CACHED_STEM)
         write_generated(folder, chains, c_source, private=True)
@@ -179,10 +176,7 @@ def export_to(path: Path, folder: Path, *, name: str | None = None, **asked: Any
     Returns:
         The files, relative to the folder.
     """
-    from mrts_codegen.embedded.export_library import (  # noqa: PLC0415 (build time, on demand)
-        export_library,
-        write_library,
-    )
+    from mrts_codegen.embedded.export_library import export_library, write_library  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.function_registry import build_functions  # noqa: PLC0415
 
     cell = cell_model(path)

@@ -12,19 +12,7 @@ from mrts.base.errors import check_type
 from mrts.limits.rows import RATES
 from mrts.plots.card import answer_card
 from mrts.plots.phase_plane import phase_plane_plot
-from mrts.plots.plot import (
-    COLOURS,
-    Axis,
-    Item,
-    Line,
-    Panel,
-    Plot,
-    curves_panel,
-    level,
-    look,
-    shortened,
-    time_axis,
-)
+from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, curves_panel, level, look, shortened, time_axis
 from mrts.plots.range_plots import range_plot
 from mrts.scaling.limit_use import LimitedQuantities, limited_quantities, limited_rates, limited_rows
 from mrts.scaling.result import ScalingResult
