@@ -31,14 +31,7 @@ PROFILES = ("sinusoid", "trapezoid", "cubic", "quintic")
 
 @dataclass(frozen=True)
 class RandomCell:
-    """A cell and a motion, and the files that say the same.
-
-    Attributes:
-        cell: Without the folder of its files.
-        motion: Of the object.
-        cell_file: In a folder with its URDFs.
-        motion_file: Beside it.
-    """
+    """A cell and a motion of the object, and the files that say the same."""
 
     cell: mrts.Cell
     motion: mrts.ObjectMotion

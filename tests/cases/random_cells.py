@@ -19,12 +19,9 @@ WELL_CONDITIONED = 15
 
 @dataclass
 class Structure:
-    """What the generated C of a cell depends on.
+    """What the generated C of a cell depends on: its file without limits and object, and texts of URDFs by file name.
 
-    Attributes:
-        description: Of the cell file, without limits and object; postures reach the start.
-        urdfs: Texts by file name.
-        start: Pose of the object that the arms were drawn around: (position, angle) in the plane, or SE3.
+    Postures reach the start, a pose of the object: (position, angle) in the plane, or SE3.
     """
 
     description: dict[str, Any]

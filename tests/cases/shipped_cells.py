@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import yaml
 
 import mrts
@@ -55,6 +56,17 @@ def sizes_of(name):
 def sampled(keys):
     """The motion of the keys of a motion file."""
     return sample_motion(MotionDescription.model_validate(keys))
+
+
+def scaled_path(name, length, samples, profile):
+    """The shipped motion of a cell, cut or stretched to a length."""
+    given = shipped_motion(name, samples=samples, profile=profile)
+    start, end = (np.array(given[key]["xyz"]) for key in ("start", "end"))
+    factor = length / np.linalg.norm(end - start)
+    given["end"] = {"xyz": (start + factor * (end - start)).tolist()} | {
+        key: (factor * np.array(value)).tolist() for key, value in given["end"].items() if key == "rpy"
+    }
+    return sampled(given)
 
 
 def still_motion(xyz, **keys):

@@ -17,19 +17,10 @@ def waves(rng, s, shape, size=1.0):
 
 
 def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, joints=0, cones=0, loose=0.7):
-    """A program and a profile that uses `loose` of its limits at most.
+    """A program with n nodes, and a profile that uses a share `loose` of its limits at most.
 
-    Args:
-        rng: Random numbers.
-        n: Nodes.
-        rows: Of each block.
-        free: Columns of each block.
-        blocks: Corners of a box of loads: rows of one have columns of their own.
-        changes: Whether changes of rows are limited.
-        roots: Whether rows have terms with the root of x.
-        joints: How many have limited jerk.
-        cones: How many.
-        loose: Share of the limits.
+    Blocks are corners of a box of loads, each with rows and `free` columns of its own. Changes of rows may be limited,
+    rows have terms with the root of x, joints limited jerk.
     """
     s = np.linspace(0, 1, n)
     step = np.diff(s)

@@ -1,15 +1,51 @@
 """Keys of the cell file that limit the motion alone: kept, refused by name, told by one name each."""
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
-from motion_limits import JOINTS, UR5, description, limited_cell
 from same_cells import same_cell
+from shipped_cells import shipped
 
 import mrts
 from mrts.cell.cell_change import ChangeSteps, cell_changes
+
+JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1_turn", "wrist_2_turn", "wrist_3_turn")
+
+LEFT = {
+    "velocity": [2.0, 2.1, 2.2, None, 2.4, 2.5],
+    "acceleration": {"lower": [-9.0, -9.1, None, -9.3, -9.4, -9.5], "upper": [8.0, None, 8.2, 8.3, 8.4, 8.5]},
+    "frames": [
+        {"link": "forearm", "point": [0.1, 0.0, -0.05], "speed": 1.5},
+        {"name": "camera", "link": "wrist_2", "point": [0.0, 0.1, 0.0], "speed": 1.4, "acceleration": 12.0},
+        {"link": "forearm", "acceleration": 11.0},
+    ],
+}
+RIGHT = {"acceleration": [7.0, 7.1, 7.2, 7.3, None, 7.5]}
+OBJECT = {
+    "velocity": {"linear": 0.9},
+    "acceleration": {"linear": 6.0, "angular": 15.0},
+    "frames": [
+        {"point": [0.25, 0.15, 0.05], "speed": 0.95},
+        {"name": "edge", "point": [-0.25, 0, 0], "acceleration": 5.5},
+    ],
+    "carries": [
+        {"name": "cup", "at": [0.1, 0.05, 0.05], "friction": 0.5, "half_width": [0.03, 0.04], "height": 0.05},
+        {"at": [-0.1, 0, 0.05], "normal": [0.1, 0, 1], "friction": 0.6},
+    ],
+}
+
+
+def description(**of_right):
+    """Of the cell file."""
+    given = shipped("dual_ur5")
+    given["object"] |= OBJECT
+    given["robots"][0] |= LEFT
+    given["robots"][1] |= RIGHT | of_right
+    return deepcopy(given)
+
 
 PROGRAMS = 1e-8
 """Of c² by two programs, relative."""
@@ -17,16 +53,11 @@ PROGRAMS = 1e-8
 
 @pytest.fixture(scope="module")
 def cell():
-    return limited_cell()
+    return mrts.Cell.from_description(description())
 
 
-@pytest.fixture(scope="module")
-def motion():
-    return mrts.load_motion(UR5 / "lift_and_turn.yaml")
-
-
-def c2(cell, motion):
-    return mrts.scale(cell, motion).range.upper.c2
+def c2(cell, lift_and_turn):
+    return mrts.scale(cell, lift_and_turn).range.upper.c2
 
 
 def test_all_keys_come_back(cell, tmp_path):
@@ -104,7 +135,7 @@ EXPECTED = {
 }
 
 
-def test_changes_name_each_limit_once_and_are_those_of_a_changed_cell(cell, motion):
+def test_changes_name_each_limit_once_and_are_those_of_a_changed_cell(cell, lift_and_turn):
     ups = [change for change in cell_changes(cell, ChangeSteps()) if change.step > 0]
     names = [(change.kind, change.robot, change.element) for change in ups]
     of_motion = [name for name in names if name[0] in {"velocity", "acceleration", "contact"}]
@@ -112,8 +143,8 @@ def test_changes_name_each_limit_once_and_are_those_of_a_changed_cell(cell, moti
     assert len(names) == len(set(names))
     slow = cell.with_values({"robots.right.acceleration": [None] * 6, "object.acceleration.linear": 3.0})
     slow = replace(slow, robots=(replace(slow.robots[0], point_limits=()), slow.robots[1]))
-    found = {str(one.change): one for one in mrts.scale(slow, motion, between=None).what_if().changes}
+    found = {str(one.change): one for one in mrts.scale(slow, lift_and_turn, between=None).what_if().changes}
     one = found["object/linear acceleration +10 %"]
     assert one.after.c2 > one.before.c2
-    more = mrts.scale(slow.with_values({"object.acceleration.linear": 3.3}), motion, between=None)
+    more = mrts.scale(slow.with_values({"object.acceleration.linear": 3.3}), lift_and_turn, between=None)
     assert one.after.c2 == pytest.approx(more.range.upper.c2, rel=PROGRAMS)

@@ -43,6 +43,7 @@ OPTIONS = {
         "select": 1.0, "formulation": "torque", "solver": "qpsol:qpoases", "weights": np.arange(1.0, 7.0)
     },
     "--c2 1 --distribute reserve --reserve 0.1": {"select": 1.0, "distribute": "reserve", "reserve": 0.1},
+    "--rates 3": {"rates": 3.0},
     "--c2 1 --share equal": {"select": 1.0, "sharing": mrts.LoadSharing()},
 }  # fmt: skip
 
@@ -203,12 +204,6 @@ def test_rates_of_the_cell_file_need_no_number(rated, capsys):
     for words in ((), ("--rates", "cell")):
         found = answered(capsys, "scale", rated, LIFT, "--profile", "smooth", *words)
         assert found["duration"] == pytest.approx(duration), words
-
-
-@pytest.mark.quick
-def test_the_constant_factor_keeps_rates_too(capsys):
-    free, kept = answered(capsys, "scale", CELL, LIFT), answered(capsys, "scale", CELL, LIFT, "--rates", "3")
-    assert kept["c2"]["upper"] < free["c2"]["upper"]
 
 
 @pytest.mark.quick

@@ -7,8 +7,8 @@ import pytest
 import yaml
 from command_line import mrts_command
 from conftest import DATA
-from layouts import write_study
 from shipped_cells import shipped
+from study_files import write_study
 from sweep_processes import DRIVER
 from terminal_session import at_terminal
 

@@ -27,16 +27,9 @@ class Session:
     shown: str
 
 
-def at_terminal(command, *, keys=(), without=(), **environment):
-    """Run a command at a terminal.
-
-    Args:
-        command: Its words.
-        keys: Pairs (text, what to type once that text has been shown), in order.
-        without: Variables that the environment lacks.
-        **environment: Further variables.
-    """
-    inherited = {name: value for name, value in os.environ.items() if name not in {"NO_COLOR", "COLUMNS", *without}}
+def at_terminal(command, *, keys=(), **environment):
+    """Run a command at a terminal; `keys` are pairs (text, what to type once that text has been shown), in order."""
+    inherited = {name: value for name, value in os.environ.items() if name not in {"NO_COLOR", "COLUMNS"}}
     with subprocess.Popen(
         [sys.executable, "-c", SPAWN, sys.executable, "-c", KEEP_OUTPUT, *map(str, command)],
         stdin=subprocess.PIPE,

@@ -1,6 +1,7 @@
 """Motions from files that people have: tables by themselves, ROS 2 bags of joint trajectories, plans of MoveIt."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,13 +9,52 @@ from cell_bank import random_planar_cell
 from conftest import DATA, UR5
 from mcap_ros2.writer import Writer as IndependentWriter
 from motion_tables import joint_table, object_table, write_motion
-from moveit_bags import MOVEIT, display, robot_trajectory, with_moveit
-from ros_bags import DEFINITION, KIND, PARTS, message, trajectory, write_bag
+from ros_bags import KIND, PARTS, TYPES, message, trajectory, write_bag
 from rosbags.rosbag2 import StoragePlugin
-from rosbags.typesys import Stores
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import mrts
 from mrts.cli import main
+
+ROBOT, DISPLAY = "moveit_msgs/msg/RobotTrajectory", "moveit_msgs/msg/DisplayTrajectory"
+
+CASES = Path(__file__).parents[1] / "cases"
+DEFINITION = (CASES / "joint_trajectory.msg").read_text(encoding="utf-8")
+PLANNED = (CASES / "moveit_display_trajectory.msg").read_text(encoding="utf-8")
+"""Definition of a DisplayTrajectory and of what it holds, as moveit_msgs 2 has them."""
+
+
+def with_moveit(release=Stores.ROS2_HUMBLE):
+    """The types of a release of ROS 2, and MoveIt's."""
+    types = get_typestore(release)
+    types.register(get_types_from_msg(PLANNED, DISPLAY))
+    return types
+
+
+MOVEIT = with_moveit()
+
+
+def header():
+    return TYPES.types["std_msgs/msg/Header"](TYPES.types["builtin_interfaces/msg/Time"](0, 0), "world")
+
+
+def robot_trajectory(names, points, floating=()):
+    """RobotTrajectory; joints of several degrees of freedom, in `floating`, stand still at one point."""
+    make = MOVEIT.types
+    point = make["trajectory_msgs/msg/MultiDOFJointTrajectoryPoint"]
+    still = point([], [], [], make["builtin_interfaces/msg/Duration"](0, 0))
+    others = make["trajectory_msgs/msg/MultiDOFJointTrajectory"](header(), list(floating), [still] if floating else [])
+    return make[ROBOT](message(names, points), others)
+
+
+def display(*planned):
+    """DisplayTrajectory of some trajectories."""
+    make = MOVEIT.types
+    joints = make["sensor_msgs/msg/JointState"](header(), [], *[np.zeros(0)] * 3)
+    floating = make["sensor_msgs/msg/MultiDOFJointState"](header(), [], [], [], [])
+    start = make["moveit_msgs/msg/RobotState"](joints, floating, [], is_diff=False)
+    return make[DISPLAY]("cell", list(planned), start)
+
 
 MOTIONS = {"planar_dual_arm": "lift", "dual_ur5": "lift_and_turn"}
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from changed_robots import with_robots
 from gantries import gantries, straight
-from scaled_paths import scaled_path
+from shipped_cells import scaled_path
 
 import mrts
 from mrts.following.coordinate import coordinate

@@ -20,18 +20,10 @@ def derivatives(path, grid):
 
 
 def by_drake(urdf, robot, path, grid, point, speed, box):
-    """Duration within limits of the joints, and of a point the size of its velocity and a box of its acceleration [s].
+    """Duration within limits of the joints, of a point's speed [m/s], and of its acceleration along axes of a box [s].
 
-    None where its forward pass fails, as on some paths with many segments.
-
-    Args:
-        urdf: Of the arm.
-        robot: The arm, with its velocity and acceleration limits.
-        path: As `spline` gives it.
-        grid: Shape (n,).
-        point: A `mrts.cell.points.ArmPointLimit`.
-        speed: Of the point [m/s].
-        box: Axes in the base frame, Shape (3, 3), and the largest acceleration along each [m/s²].
+    The box is axes in the base frame, Shape (3, 3), and the largest acceleration along each [m/s²]. None where Drake's
+    forward pass fails, as on some paths with many segments.
     """
     axes, most = box
     plant = MultibodyPlant(0.0)

@@ -12,12 +12,11 @@ import numpy as np
 
 
 class RatedFactor:
-    """One cell and motion, for all of some loads at once; rates are bounded by differences of neighbouring samples."""
+    """One cell and motion; rates are bounded by differences of neighbouring samples."""
 
-    def __init__(self, cell, motion, rates, loads=None):
+    def __init__(self, cell, motion, rates):
         self.cell, self.motion, self.rates = cell, motion, rates
-        loads = [cell.load] if loads is None else loads
-        self.terms = [cell.functions("terms", motion.samples, motion.inputs(load)) for load in loads]
+        self.terms = cell.functions("terms", motion.samples, motion.inputs(cell.load))
         self.limits = [
             np.concatenate([getattr(robot, name) for robot in cell.robots])
             for name in ("torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "velocity_limit")
@@ -30,10 +29,10 @@ class RatedFactor:
     def excess(self, c):
         """The least share by which all limits and rates must give way at a factor; negative if none has to."""
         worst, constraints = cp.Variable(), []
-        for torques, F, time in self.loads(c, constraints):
-            for torque, one in zip(torques, F, strict=True):
-                constraints += self.limits_of(torque, one, worst)
-            constraints += self.changes(torques, F, time, 1 + worst)
+        torques, F, time = self.carried(c, constraints)
+        for torque, one in zip(torques, F, strict=True):
+            constraints += self.limits_of(torque, one, worst)
+        constraints += self.changes(torques, F, time, 1 + worst)
         constraints.append(worst >= np.max(np.abs(self.motion.dq) * c / self.limits[-1]) - 1)
         solved(cp.Problem(cp.Minimize(worst), constraints))
         return float(worst.value)
@@ -41,7 +40,7 @@ class RatedFactor:
     def shares(self, c):
         """The largest share of any limit at each sample, of all torques within rates those of the least Σ ω share²."""
         share, constraints = cp.Variable(self.motion.samples), []
-        ((torques, F, time),) = self.loads(c, constraints)
+        torques, F, time = self.carried(c, constraints)
         constraints += [*self.changes(torques, F, time, 1), share >= 0.01]
         for k, (torque, one) in enumerate(zip(torques, F, strict=True)):
             constraints += self.limits_of(torque, one, share[k] - 1)
@@ -51,7 +50,7 @@ class RatedFactor:
     def effort(self, c, shares, weights):
         """The least Σ ω τᵀWτ of torques within rates and a share of all limits at each sample."""
         constraints = []
-        ((torques, F, time),) = self.loads(c, constraints)
+        torques, F, time = self.carried(c, constraints)
         constraints += self.changes(torques, F, time, 1)
         for torque, one, share in zip(torques, F, shares.tolist(), strict=True):
             constraints += self.limits_of(torque, one, share - 1)
@@ -77,8 +76,8 @@ class RatedFactor:
                     constraints += [change <= most_share, change >= -most_share]
         return constraints
 
-    def loads(self, c, constraints):
-        """Torques, wrenches and times of each load; the balance of the object is added to the constraints."""
+    def carried(self, c, constraints):
+        """Torques, wrenches and times; the balance of the object is added to the constraints."""
         push = self.limits[2]
         dq, time = self.motion.dq, self.motion.object.time / c
         ddq = self.motion.ddq
@@ -86,29 +85,21 @@ class RatedFactor:
         way = np.where(np.abs(ddq) > still, np.sign(ddq), 0)  # at rest at an end: it leaves so, or arrives against it
         way[-1] *= -1
         travel = np.where(np.abs(dq) > rest, np.sign(dq), way)
-        for terms in self.terms:
-            unit = np.abs(terms["Q"]).max() + np.abs(terms["P"]).max() * c**2  # of wrenches, for Clarabel
-            F = [unit * cp.Variable(len(push)) for _ in time]
-            torques = []  # rates are without dry friction, which steps where a joint turns back or leaves rest
-            for k, one in enumerate(F):
-                of_arms = [
-                    terms["J"][k][:, joints].T @ one[self.cell.wrench_slices[name]]
-                    for name, joints in self.cell.joint_slices.items()
-                ]
-                own = terms["E"][k] * c**2 + terms["G"][k] + self.motors["armature"] * self.motion.ddq[k] * c**2
-                own = own + self.motors["viscous"] * dq[k] * c
-                torque = own + cp.hstack(of_arms)
-                balance = sum(terms["B"][k][:, part] @ one[part] for part in self.cell.wrench_slices.values())
-                constraints.append(balance / unit == (terms["P"][k] * c**2 + terms["Q"][k]) / unit)
-                torques.append((torque, self.motors["coulomb"] * travel[k]))
-            yield torques, F, time
-
-    def fastest(self, low, high, share=1e-6):
-        """The largest admissible factor between one that is and one that is not, by bisection."""
-        while high - low > share * low:
-            middle = (low + high) / 2
-            low, high = (middle, high) if self.excess(middle) <= 0 else (low, middle)
-        return low
+        unit = np.abs(self.terms["Q"]).max() + np.abs(self.terms["P"]).max() * c**2  # of wrenches, for Clarabel
+        F = [unit * cp.Variable(len(push)) for _ in time]
+        torques = []  # rates are without dry friction, which steps where a joint turns back or leaves rest
+        for k, one in enumerate(F):
+            of_arms = [
+                self.terms["J"][k][:, joints].T @ one[self.cell.wrench_slices[name]]
+                for name, joints in self.cell.joint_slices.items()
+            ]
+            own = self.terms["E"][k] * c**2 + self.terms["G"][k] + self.motors["armature"] * self.motion.ddq[k] * c**2
+            own = own + self.motors["viscous"] * dq[k] * c
+            torque = own + cp.hstack(of_arms)
+            balance = sum(self.terms["B"][k][:, part] @ one[part] for part in self.cell.wrench_slices.values())
+            constraints.append(balance / unit == (self.terms["P"][k] * c**2 + self.terms["Q"][k]) / unit)
+            torques.append((torque, self.motors["coulomb"] * travel[k]))
+        return torques, F, time
 
 
 def solved(program):

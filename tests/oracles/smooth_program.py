@@ -38,12 +38,7 @@ WRENCH_SIZE = 100.0
 
 @dataclass(frozen=True, eq=False)
 class SmoothPath:
-    """A path over σ that leaves rest and comes to rest as a quintic does.
-
-    Attributes:
-        motion: Its nodes, with σ for time.
-        third: q''' at them, Shape (n, m).
-    """
+    """A path that leaves rest and comes to rest as a quintic does: σ for time, and q''' there, Shape (n, m)."""
 
     motion: mrts.CoordinatedMotion
     third: np.ndarray
@@ -96,11 +91,7 @@ def segment_times(sigma, x):
 def smooth_timing(cell, path, rates, *, loads=None):
     """The fastest timing within limits and rates, None if there is none.
 
-    Args:
-        cell: The cell, with motors and box limits of torques, wrenches and velocities.
-        path: The path.
-        rates: What is limited.
-        loads: Load vectors that one timing must be able to carry, by torques of its own each; None for the nominal one.
+    It carries each of the loads, with torques of its own; the nominal one where none are given.
     """
     carried = [cell.load] if loads is None else loads
     models = [LoadRows(cell, path, load) for load in carried]

@@ -6,10 +6,24 @@ import zipfile
 
 import numpy as np
 import pytest
-from saved_files import contents, write
 
 import mrts
-from mrts.output.saved_result import VERSION
+from mrts.output.saved_result import VERSION, seal
+
+
+def contents(path):
+    """Description and arrays of a file, without their seal."""
+    with np.load(path) as file:
+        arrays = dict(file)
+    del arrays["seal"]
+    return json.loads(bytes(arrays.pop("description"))), arrays
+
+
+def write(path, description, arrays, *, sealed=True):
+    """Write a file; one that mrts did not seal has the seal of another."""
+    arrays = arrays | {"description": np.frombuffer(json.dumps(description).encode(), dtype=np.uint8)}
+    np.savez(path, seal=seal(arrays if sealed else {}), **arrays)
+
 
 VERSIONS = (
     (lambda d: d.update(version=VERSION + 1), "version = .*: this mrts reads version .*; .* Update mrts"),

@@ -3,12 +3,16 @@
 Wishes are random, the worst that a search finds, or no wishes at all.
 """
 
+import shutil
+import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from changed_robots import with_robots
+from command_line import mrts_command
+from conftest import ROOT
 from gantries import gantries, loop, there_and_back
 from random_cells import configuration
 from random_motors import equipped
@@ -22,6 +26,37 @@ from mrts.limits import limit_rows
 from mrts.motion.velocity_profile import quintic
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
+
+STUBS = ROOT / "tests" / "helpers" / "ros2_stubs"
+
+SAME = 1e-9
+"""Share of a torque by which the exported one differs: rounding, and another compiler's order of sums."""
+
+
+@pytest.mark.slow
+def test_it_plays_the_plan_from_its_start_to_its_end(turned, tmp_path):
+    mrts.save_result(turned, tmp_path / "plan.npz")
+    cell, library = DATA / "dual_ur5" / "cell.yaml", tmp_path / "library"
+    done = mrts_command("export", cell, "--plan", tmp_path / "plan.npz", "-o", library)
+    assert done.returncode == 0, done.stderr
+    subprocess.run([shutil.which("make"), "-s", "-C", library], check=True, capture_output=True)
+    checks = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    folders = [f"-I{folder}" for folder in (library / "include", STUBS, ROOT / "docs")]
+    built = [
+        shutil.which("g++"),
+        *checks,
+        *folders,
+        STUBS / "play.cpp",
+        *library.glob("build/*.a"),
+        "-lm",
+        "-o",
+        tmp_path / "play",
+    ]
+    subprocess.run(built, check=True)
+    said = subprocess.run([tmp_path / "play"], check=True, capture_output=True, text=True).stdout
+    rest = mrts.SpeedOverride(turned).start(turned.duration).torque[:2]
+    np.testing.assert_allclose(np.array(said.split(), dtype=float), rest, rtol=SAME)
+
 
 ROUNDING = 1e-9
 """Largest difference to Pinocchio's torques, as a share of a torque limit."""
@@ -107,11 +142,7 @@ def others(cell, states):
 
 
 def drawn_ticks(override, rng, count):
-    """States after ticks of all lengths: steps, ramps, stops, wishes beyond what is allowed, joins and resumes.
-
-    Returns:
-        States, and where each run begins.
-    """
+    """States after ticks of all lengths (steps, ramps, stops, wishes beyond what is allowed), and where runs begin."""
     state, begins, held, wanted, slope = override.start(), [0], 0, 1.0, 0.0
     states = np.zeros(count, state.numbers.dtype)
     for k in range(count):

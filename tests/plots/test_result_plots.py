@@ -26,11 +26,6 @@ from mrts.plots.plot import Axis, Band, Line, Panel, Plot, Points, level, rectan
 from mrts.plots.plotly_drawer import plotly_figure
 
 
-@pytest.fixture(scope="module")
-def result(planar_cell, lift):
-    return mrts.scale(planar_cell, lift)
-
-
 def of_panel(panel, kind):
     """Items of a panel of one kind, by label."""
     return {item.label: item for item in panel.items if isinstance(item, kind)}
@@ -56,16 +51,16 @@ def test_every_kind_of_result_has_legible_figures(kind, planar_cell, dual_ur5, l
 
 
 @pytest.mark.quick
-def test_curves_are_the_numbers_of_the_result(result):
-    done, (torques, forces, moments) = result.trajectory, trajectory_plot(result).rows
-    powers, (energy,) = power_plot(result).rows
+def test_curves_are_the_numbers_of_the_result(lifted):
+    done, (torques, forces, moments) = lifted.trajectory, trajectory_plot(lifted).rows
+    powers, (energy,) = power_plot(lifted).rows
     torque, force, moment, power = (of_panel(row[1], Line) for row in (torques, forces, moments, powers))
     for index, joint in enumerate(("shoulder", "elbow", "wrist")):
         np.testing.assert_array_equal(torque[joint].x, done.time)
-        np.testing.assert_array_equal(torque[joint].y, result.torque["right"][:, index])
+        np.testing.assert_array_equal(torque[joint].y, lifted.torque["right"][:, index])
         np.testing.assert_array_equal(power[joint].y, done.power[:, 3 + index])
-    np.testing.assert_array_equal(force["fy"].y, result.wrench["right"][:, 1])
-    np.testing.assert_array_equal(moment["nz"].y, result.wrench["right"][:, 2])
+    np.testing.assert_array_equal(force["fy"].y, lifted.wrench["right"][:, 1])
+    np.testing.assert_array_equal(moment["nz"].y, lifted.wrench["right"][:, 2])
     assert [np.unique([line.lower, line.upper]).tolist() for line in torque.values()] == [
         [-100, 100],
         [-80, 80],
@@ -125,10 +120,10 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
     json.dumps(page, allow_nan=False)
 
 
-def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, result):
-    (above,), (below,) = range_plot(result).rows
-    np.testing.assert_array_equal(of_panel(above, Line)["c²⁺(t)"].y, result.range.samples.upper)
-    end = result.range.upper
+def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, lifted):
+    (above,), (below,) = range_plot(lifted).rows
+    np.testing.assert_array_equal(of_panel(above, Line)["c²⁺(t)"].y, lifted.range.samples.upper)
+    end = lifted.range.upper
     (mark,) = (item for item in above.items if isinstance(item, Points))
     assert (mark.x.tolist(), mark.y.tolist(), mark.texts) == ([end.time], [end.c2], ["c²⁺ = 3.062"])
     assert above.y.ends[0] < 0 < end.c2 < above.y.ends[1]

@@ -208,27 +208,3 @@ def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
         box.load_at({"mass": 7.0})
     assert (refused.value.key, refused.value.value) == ("mass", 7.0)
     assert main([*command, "--load", "possible"]) == 0
-
-
-VARIATION_MISTAKES = {
-    "reversed": ({"mass": [2.0, 0.5]}, "lower value exceeds"),
-    "negative": ({"izz": [-1.0, 2.0]}, "must be >= 0"),
-    "zero mass": ({"mass": [0.0, 2.0]}, "must be > 0"),
-    "nan": ({"mass": [float("nan"), 2.0]}, "finite"),
-    "unknown": ({"masss": [0.5, 2.0]}, "unknown parameter 'masss'; did you mean 'mass'?"),
-    "one value": ({"mass": [0.5]}, "has 1 values"),
-    "a word": ({"mass": "heavy"}, "must be a list"),
-    "without the nominal": ({"mass": [2.0, 3.0]}, "must contain 1"),
-    "moment without zero": ({"mx": [0.1, 0.3]}, "must contain 0"),
-    "nothing": ({}, "at least one range"),
-}
-
-
-@pytest.mark.parametrize("mistake", VARIATION_MISTAKES)
-def test_a_bad_variation_is_refused(mistake, tmp_path, capsys):
-    variation, words = VARIATION_MISTAKES[mistake]
-    path = changed_cell(tmp_path, lambda cell: cell["object"].update(variation=variation))
-    assert main(["scale", str(path), str(DATA / "lift.yaml")]) == 2
-    said = capsys.readouterr().err
-    assert words in said
-    assert "cell.yaml: object.variation" in said

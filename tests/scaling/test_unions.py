@@ -2,11 +2,40 @@
 
 import numpy as np
 import pytest
+from gantries import gantries, straight
 from given_ranges import ranges_of
-from slowing_gantries import Slowing
+from random_motors import equipped
 
 import mrts
 from mrts.scaling.range import common_range
+
+FORCE, INERTIA, FRICTION = 20.0, 100.0, 120.0
+"""Of a gantry [N, kg, N s/m]: its motor's rotor inertia helps against friction where the object slows down."""
+
+FIRST, LAST = 1.0, 0.9
+"""Speeds of a motion along x that slows down by 1 m/s²."""
+
+
+def slowing_cell(folder, **changes):
+    return equipped(gantries(folder, **changes), armature=[INERTIA, 0, 0], viscous=[FRICTION, 0, 0])
+
+
+def slowing_motion(samples=11):
+    t = np.linspace(0, FIRST - LAST, samples)
+    return straight(t, FIRST * t - t**2 / 2, FIRST - t, -1.0)
+
+
+def intervals(mass=3.0):
+    """Of c²: -FORCE <= b v c - M c² <= FORCE at the first and the last speed; an arm of 4 kg moves half the object."""
+    M = 4.0 + mass / 2 + INERTIA
+
+    def roots(speed, force):
+        half = FRICTION * speed / 2
+        return (half - np.sqrt(half**2 - force * M)) / M, (half + np.sqrt(half**2 - force * M)) / M
+
+    (slow, fast), (_, fastest) = roots(FIRST, FORCE), roots(LAST, -FORCE)
+    return [(0.0, slow**2), (fast**2, fastest**2)]
+
 
 SAME = 1e-9
 """Ends of c² in closed form, relative."""
@@ -20,7 +49,7 @@ def ends(found):
 
 @pytest.fixture
 def slowing(tmp_path):
-    return Slowing().cell(tmp_path)
+    return slowing_cell(tmp_path)
 
 
 @pytest.mark.quick
@@ -28,8 +57,8 @@ def slowing(tmp_path):
 @pytest.mark.parametrize("solver", ["kernel", "qpsol:qpoases"])
 @pytest.mark.parametrize("formulation", ["wrench", "torque"])
 def test_the_range_is_the_highest_interval_where_rotor_inertia_helps(slowing, sharing, solver, formulation):
-    result = mrts.scale(slowing, Slowing().motion(), sharing=sharing, solver=solver, formulation=formulation)
-    _, highest = Slowing().intervals()
+    result = mrts.scale(slowing, slowing_motion(), sharing=sharing, solver=solver, formulation=formulation)
+    _, highest = intervals()
     np.testing.assert_allclose(ends(result.range), highest, rtol=SAME)
     assert result.range.samples.several
     assert result.trajectory.c2 == result.range.upper.c2
@@ -41,8 +70,8 @@ def test_the_range_is_the_highest_interval_where_rotor_inertia_helps(slowing, sh
 
 @pytest.mark.parametrize("sharing", SHARINGS)
 def test_a_slower_c2_is_admitted_exactly_where_all_limits_hold(slowing, sharing):
-    motion = Slowing().motion()
-    (_, slow), (fast, fastest) = Slowing().intervals()
+    motion = slowing_motion()
+    (_, slow), (fast, fastest) = intervals()
     for c2 in (0.5 * slow, slow * (1 - SAME), fast, (fast + fastest) / 2):
         result = mrts.scale(slowing, motion, c2, sharing=sharing)
         assert result.trajectory.c2 == pytest.approx(c2, rel=SAME)
@@ -56,12 +85,11 @@ def test_a_slower_c2_is_admitted_exactly_where_all_limits_hold(slowing, sharing)
 
 
 def test_a_slower_c2_must_carry_every_corner_of_a_box(tmp_path):
-    case = Slowing()
-    cell = case.cell(tmp_path, variation={"mass": [0.5, 8.0]})
-    slow = [case.intervals(factor * 3)[0][1] for factor in (0.5, 8.0)]
-    assert mrts.scale(cell, case.motion(), min(slow) * (1 - SAME)).trajectory.c2 == pytest.approx(min(slow))
+    cell = slowing_cell(tmp_path, variation={"mass": [0.5, 8.0]})
+    slow = [intervals(factor * 3)[0][1] for factor in (0.5, 8.0)]
+    assert mrts.scale(cell, slowing_motion(), min(slow) * (1 - SAME)).trajectory.c2 == pytest.approx(min(slow))
     with pytest.raises(mrts.SelectionError, match=r"no slower one admits it: .* with mass"):
-        mrts.scale(cell, case.motion(), sum(slow) / 2)
+        mrts.scale(cell, slowing_motion(), sum(slow) / 2)
 
 
 INTERVALS = {
@@ -86,15 +114,14 @@ def test_samples_go_down_until_they_have_an_interval_in_common(unions, status, e
 
 @pytest.mark.parametrize("sharing", SHARINGS)
 def test_what_is_guaranteed_is_what_all_corners_leave(tmp_path, sharing):
-    case = Slowing()
-    cell = case.cell(tmp_path, variation={"mass": [0.5, 8.0]})
-    found = mrts.scale(cell, case.motion(), load="guaranteed", sharing=sharing)
-    one, other = [case.intervals(factor * 3)[1] for factor in (0.5, 8.0)]
+    cell = slowing_cell(tmp_path, variation={"mass": [0.5, 8.0]})
+    found = mrts.scale(cell, slowing_motion(), load="guaranteed", sharing=sharing)
+    one, other = [intervals(factor * 3)[1] for factor in (0.5, 8.0)]
     np.testing.assert_allclose(ends(found.range), (max(one[0], other[0]), min(one[1], other[1])), rtol=SAME)
     loads = [end.load.parameters["mass"] for end in (found.range.lower, found.range.upper)]
     assert loads == [0.5, 8.0]
     for factor in np.random.default_rng(0).uniform(0.5, 8.0, 5):
         known = mrts.torques_for_load(found, cell.load_box.load_at({"mass": float(factor)}))
         assert known.trajectory.c2 == found.trajectory.c2
-    possible = mrts.scale(cell, case.motion(), load="possible", sharing=sharing)
+    possible = mrts.scale(cell, slowing_motion(), load="possible", sharing=sharing)
     assert ends(possible.range) == pytest.approx((min(one[0], other[0]), max(one[1], other[1])), rel=1e-6)

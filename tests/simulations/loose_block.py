@@ -44,14 +44,7 @@ def mujoco_pose(motion, place):
 
 
 def slid(plan, thing, gravity, sides):
-    """The furthest that a block is from where it stood on the tray, while the plan is played [m].
-
-    Args:
-        plan: A `GeodesicPlan` of the tray.
-        thing: The `mrts.cell.points.CarriedThing`.
-        gravity: Shape (3,) [m/s²].
-        sides: Of the block along a, b and the normal [m].
-    """
+    """How far a block, its sides along a, b and the normal, is at most from where it stood on the tray [m]."""
     spec = mujoco.MjSpec()
     spec.option.timestep, spec.option.gravity = STEP, gravity
     spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 1000

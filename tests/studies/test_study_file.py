@@ -8,7 +8,7 @@ import pytest
 import yaml
 from conftest import DATA, ROOT
 from scipy import stats
-from shipped_cells import shipped
+from shipped_cells import shipped, shipped_motion
 from study_files import planar_study
 
 import mrts
@@ -129,29 +129,13 @@ def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing
         assert moved.descriptions(moved.points(0, 1)[0]) == (keys["cell"], keys["motion"])
 
 
-HALF = [0.0, 0.0, 0.0, 1.0]  # half a turn about z, the right arm's
-
-
-@pytest.fixture
-def study(tmp_path):
-    """Makes a study of the planar cell; the right tip is turned by half."""
-
-    def read(vary):
-        given = shipped("planar_dual_arm")
-        given["robots"][1]["grasp"] = {"xyz": [1.1, 0, 0], "quaternion_wxyz": HALF}
-        motion = {
-            "duration": 1.0,
-            "profile": "quintic",
-            "start": {"xyz": [1.25, 1.0, 0], "quaternion_wxyz": [1, 0, 0, 0]},
-            "end": {"xyz": [1.25, 1.5, 0]},
-        }
-        return planar_study(tmp_path, yaml.safe_dump({"vary": vary}), cell=given, motion=motion)
-
-    return read
-
-
-def test_variants_all_at_once_stand_where_their_files_say(study):
-    one = study({"robots.right.grasp.xyz[1]": [-0.01, 0.02], "motion.start.rpy[2]": [0.0, 0.1]})
+def test_variants_all_at_once_stand_where_their_files_say(tmp_path):
+    """The right tip is turned by half a turn, which its file says by a quaternion."""
+    cell, motion = shipped("planar_dual_arm"), shipped_motion()
+    cell["robots"][1]["grasp"] = {"xyz": [1.1, 0, 0], "quaternion_wxyz": [0, 0, 0, 1]}
+    motion["start"] = {"xyz": motion["start"]["xyz"], "quaternion_wxyz": [1, 0, 0, 0]}
+    vary = {"robots.right.grasp.xyz[1]": [-0.01, 0.02], "motion.start.rpy[2]": [0.0, 0.1]}
+    one = planar_study(tmp_path, yaml.safe_dump({"vary": vary}), cell=cell, motion=motion)
     batch, points = batch_for(one), one.points(0, 4)
     at_once, alone = batch.solve(points, 0), solve_one_by_one(one, points, 0)
     assert at_once["c2_upper"] == pytest.approx(alone["c2_upper"], rel=1e-9)

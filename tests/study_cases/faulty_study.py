@@ -9,13 +9,7 @@ from mrts.studies.study import Study
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class FaultyStudy(Study):
-    """The same points, but not for the processes that work for this one.
-
-    Attributes:
-        driver: Number of this process.
-        deadly: Variants that kill a worker.
-        stumbling: Variants over which it raises.
-    """
+    """The same points, but not for the processes that work for this one: variants kill them, or raise."""
 
     driver: int
     deadly: tuple[int, ...] = ()

@@ -16,3 +16,9 @@ def planar_study(folder, text, *, cell=DATA / "cell.yaml", motion=DATA / "lift.y
     path = folder / "study.yaml"
     path.write_text(f"cell: {paths[0]}\nmotion: {paths[1]}\n{text}\n", encoding="utf-8")
     return mrts.read_study(path)
+
+
+def write_study(folder, cell, motion, vary, **keys):
+    """A study file of the cell of these keys."""
+    asked = {"vary": vary, "sample": "sobol", "count": 16} | keys
+    return planar_study(folder, yaml.safe_dump(asked), cell=cell, motion=motion).path

@@ -18,15 +18,15 @@ PATIENCE = 90.0
 DRIVER = """
 import sys
 import mrts.studies.sweep
-mrts.studies.sweep.chunk_size = lambda study: {chunk}
+mrts.studies.sweep.chunk_size = lambda study: 2
 from mrts.cli import main
 sys.exit(main(sys.argv[1:]))
 """
 
 
-def driver_command(*arguments, chunk=2):
+def driver_command(*arguments):
     """Words of `mrts sweep` with chunks of a few variants, so that a short study has many."""
-    return [sys.executable, "-c", DRIVER.format(chunk=chunk), "sweep", *map(str, arguments)]
+    return [sys.executable, "-c", DRIVER, "sweep", *map(str, arguments)]
 
 
 @contextmanager
@@ -81,12 +81,7 @@ def parts(folder):
 
 
 def assert_same_table(found, alone):
-    """Every variant is there once, in order, with the bits that it has without chunks, workers and files.
-
-    Args:
-        found: Table of a sweep.
-        alone: What `solve_variants` gives for all variants at once.
-    """
+    """Every variant of a sweep is there once, in order, with the bits that `solve_variants` gives for all at once."""
     assert found.column_names == list(alone)
     for name, values in alone.items():
         column = found[name]

@@ -8,16 +8,8 @@ import mrts
 def wide_study(folder, cell, motion, *, spread, count, seed=1, limits=0.2, mass=(0.7, 1.3), inertia=1e-3):
     """Read a study that varies every number that native calls take: poses, gravity, object, postures, limits, motion.
 
-    Args:
-        folder: For the study file.
-        cell: The cell file.
-        motion: The motion file, from pose to pose.
-        spread: How far poses and postures go, each way [m, rad].
-        count: Number of variants.
-        seed: Of what is drawn.
-        limits: Share by which limits go, each way.
-        mass: Range of the factor of the mass.
-        inertia: Share by which moments go, each way: those of a thin body soon break a rule.
+    Poses and postures go by `spread` [m, rad] each way, limits and moments by shares (those of a thin body soon break a
+    rule), the mass by a factor within `mass`.
     """
     given, path = yaml.safe_load(cell.read_text()), yaml.safe_load(motion.read_text())
     axes = ["xyz".index(axis) for axis in given.get("plane") or "xyz"]

@@ -10,9 +10,8 @@ from draws import seeds
 from gantries import along_x, gantries
 from one_arm import by_toppra, duration, one_arm
 from random_motors import equipped
-from scaled_paths import scaled_path
 from scipy.optimize import linprog
-from shipped_cells import sampled, shipped_motion
+from shipped_cells import sampled, scaled_path, shipped_motion
 from transcription import transcribed
 
 import mrts

@@ -1,7 +1,6 @@
 """Norms and cones of the motion in smooth timing: circles, whose polygons linear programs have."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,11 +15,6 @@ CORNER, MOST = np.array([0.3, 0.4, 0.5]), 3.0
 """A point of the object, whose way is bent, and the largest size of its acceleration [m/s²]."""
 
 ROUNDING = 1e-12
-
-
-@pytest.fixture(scope="module")
-def lift_and_turn():
-    return mrts.load_motion(Path(mrts.__file__).parent / "data/dual_ur5/lift_and_turn.yaml")
 
 
 def sides_alone(cell, motion):

@@ -3,24 +3,54 @@
 import http.client
 import socket
 import time
-from contextlib import closing
+from contextlib import closing, contextmanager
 from types import SimpleNamespace
 from urllib.parse import urlsplit
 
+import msgspec
 import numpy as np
 import pytest
+import viser
 import viser.infra._infra as viser_server
 import websockets.asyncio.server
+import zstandard
 from command_line import mrts_without
 from conftest import DATA
 from shown_viewer import PATIENCE, planar_given, settle, shown_viewer
-from viewer_socket import CAMERA, PROTOCOL, connected, pack
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import mrts
 from mrts.cli import main
 from mrts.viewer.server import LARGEST_MESSAGE, names_this_machine, open_server
+
+PROTOCOL = [f"viser-v{viser.__version__}"]
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1, 0, 0, 0],
+    "position": [0, 0, 1.5],
+    "fov": 1,
+    "near": 0.1,
+    "far": 9.0,
+}
+CAMERA |= {"image_height": 700, "image_width": 1200, "look_at": [0, 0, 0], "up_direction": [0, 0, 1]}
+
+pack = msgspec.msgpack.encode
+
+
+@contextmanager
+def connected(url, **options):
+    """A raw websocket to the viewer's address, as a browser's page opens it."""
+    address = url.replace("http", "ws").rstrip("/")
+    with connect(address, subprotocols=PROTOCOL, max_size=None, **options) as opened:
+        opened.send(pack(CAMERA))
+        yield opened
+
+
+def unpacked(window):
+    """What a page unpacks of a message: behind two lengths, its parts, packed together."""
+    return zstandard.ZstdDecompressor().decompressobj().decompress(window[16:])
 
 
 @pytest.fixture(scope="module")

@@ -13,35 +13,10 @@ TYPES = get_typestore(Stores.ROS2_HUMBLE)
 PARTS = ("positions", "velocities", "accelerations")
 
 
-DEFINITION = """std_msgs/Header header
-string[] joint_names
-trajectory_msgs/JointTrajectoryPoint[] points
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-================================================================================
-MSG: trajectory_msgs/JointTrajectoryPoint
-float64[] positions
-float64[] velocities
-float64[] accelerations
-float64[] effort
-builtin_interfaces/Duration time_from_start
-================================================================================
-MSG: builtin_interfaces/Duration
-int32 sec
-uint32 nanosec
-"""
-
-
-def trajectory(robot, followed, part, kept=PARTS):
+def trajectory(robot, followed, part):
     """A robot's trajectory as plain values: names, and for each point its stamp [ns], positions, rates."""
     values = {"positions": followed.q, "velocities": followed.dq, "accelerations": followed.ddq}
-    columns = [values[name][:, part] if name in kept else np.zeros((followed.samples, 0)) for name in PARTS]
+    columns = [values[name][:, part] for name in PARTS]
     stamps = np.rint(followed.object.time * 1e9).astype(int).tolist()
     return list(robot.joints), [[stamp, *rows] for stamp, *rows in zip(stamps, *columns, strict=True)]
 
