@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from motion_tables import exact_motions
+from random_motors import with_all_rates
 
 import mrts
 from mrts.kernel.cache_folder import cache_folder
@@ -66,6 +67,12 @@ def lift_and_turn():
 @pytest.fixture(scope="session")
 def turned(dual_ur5, lift_and_turn):
     return mrts.scale(dual_ur5, lift_and_turn)
+
+
+@pytest.fixture(scope="session")
+def smooth(planar_cell, lift):
+    """Within rates of torques, wrenches and joints."""
+    return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
 
 
 @pytest.fixture(scope="session")

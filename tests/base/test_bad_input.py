@@ -1,20 +1,66 @@
 """Bad input through the command line: one clear paragraph, exit code 2, never a traceback."""
 
+import json
 import shutil
 
 import pytest
 import yaml
 from conftest import DATA
 
+import mrts
 from mrts import CompilerError, load_cell
+from mrts.base.errors import LONGEST_MESSAGE, html_text, printable
 from mrts.cli import main
+from mrts.commands.console import put, say, warn
 from mrts.kernel import compiler as kernel_compiler
 
 pytestmark = pytest.mark.quick
 
+HOSTILE = "a\x1b[31mb\r\x07\u202e\u200b\u2028\x9b\x7f\ud800"
+SHOWN = r"a\u001b[31mb\r\u0007\u202e\u200b\u2028\u009b\u007f\ud800"
+
+
+def test_control_characters_and_invisible_signs_are_escaped_as_json_does():
+    assert printable("c² ∈ [0, ∞) µm 日本 τ̈ \\ {} %s") == "c² ∈ [0, ∞) µm 日本 τ̈ \\ {} %s"
+    assert printable(HOSTILE) == SHOWN
+    assert json.loads(f'"{printable(HOSTILE)}"') == HOSTILE
+    assert html_text(f"<b>{HOSTILE}") == f"&lt;b&gt;{SHOWN}"
+
+
+def test_messages_are_one_short_paragraph_without_control_characters():
+    message = str(mrts.InputError(f"{HOSTILE}\n\n", f"must not\n\nbe {HOSTILE}.", key=f"k\n{HOSTILE}", value=HOSTILE))
+    assert message.isprintable()
+    assert message.count(SHOWN) == 3
+    assert str(mrts.CompilerError("one\ntwo\t\x1b[1m")) == "one\ntwo\\t\\u001b[1m"
+    assert len(str(mrts.InputError("cell.yaml", "is wrong.", key="j" * 1_000_000))) < 400
+    assert len(str(mrts.InputError("a", "b " * 1_000_000, value=10**5000))) <= LONGEST_MESSAGE
+
+
+@pytest.mark.parametrize("show", [say, put, warn])
+def test_what_is_printed_keeps_its_lines_only(show, capsys):
+    show(f"first\nsecond {HOSTILE}")
+    captured = capsys.readouterr()
+    assert (captured.out + captured.err).endswith(f"first\nsecond {SHOWN}\n")
+
+
+def test_names_of_files_and_arguments_are_quoted_printable(tmp_path, capsys):
+    for key in ("{0}", "{key.__class__}", "%s %n", "\x1b[31m\u202e"):
+        (tmp_path / "key.yaml").write_text(f"{json.dumps(key)}: 1\n", encoding="utf-8")
+        assert main(["generate", str(tmp_path / "key.yaml")]) == 2
+        assert f"unknown key '{printable(key)}'. The keys here are: name, gravity" in capsys.readouterr().err
+    text = (DATA / "planar_arm.urdf").read_text(encoding="utf-8")
+    text = text.replace('"elbow" type="continuous"', '"el&#x202e;bow&#xa;$x{" type="floating"')
+    (tmp_path / "planar_arm.urdf").write_text(text, encoding="utf-8")
+    (tmp_path / "cell.yaml").write_text((DATA / "cell.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    assert main(["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]) == 2
+    assert r"joint 'el\u202ebow\n$x{' type = 'floating'" in capsys.readouterr().err
+    for arguments in (["sca\x1b[31mle"], ["scale", "a", "b", "--\x1b[31m"], ["scale", "a", "b", "--c2", "\x1b[31m"]):
+        assert main(arguments) == 2
+        assert "\x1b" not in capsys.readouterr().err
+
+
 BOMB = """<?xml version="1.0"?><!DOCTYPE bomb [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">
 <!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;">]><robot name="&c;"><link name="base_link"/></robot>"""
-
 
 GONE = object()
 
@@ -58,16 +104,16 @@ MISTAKES = [
     ("cell.yaml", "object.mass", 1e-320, "at least 1e-100"),
     ("cell.yaml", "object.inertia", [[1, 2, 0], [2, 1, 0], [0, 0, 1]], "its principal moments are -1, 1, 3"),
     ("cell.yaml", "object.inertia", [1, 1, 3], "triangle inequality"),
-    ("cell.yaml", "object.variation", {"mass": [2.0, 0.5]}, "object.variation.mass[0] = 2.0: lower value exceeds"),
-    ("cell.yaml", "object.variation", {"izz": [-1.0, 2.0]}, "must be >= 0"),
-    ("cell.yaml", "object.variation", {"mass": [0.0, 2.0]}, "must be > 0"),
-    ("cell.yaml", "object.variation", {"mass": [float("nan"), 2.0]}, "finite"),
-    ("cell.yaml", "object.variation", {"masss": [0.5, 2.0]}, "unknown parameter 'masss'; did you mean 'mass'?"),
-    ("cell.yaml", "object.variation", {"mass": [0.5]}, "has 1 values"),
-    ("cell.yaml", "object.variation", {"mass": "heavy"}, "must be a list"),
-    ("cell.yaml", "object.variation", {"mass": [2.0, 3.0]}, "must contain 1"),
-    ("cell.yaml", "object.variation", {"mx": [0.1, 0.3]}, "must contain 0"),
-    ("cell.yaml", "object.variation", {}, "at least one range"),
+    ("cell.yaml", "object.variation", {"mass": [2, 0.5]}, "object.variation: mass = [2, 0.5]: the lower value"),
+    ("cell.yaml", "object.variation", {"izz": [-1, 2]}, "object.variation: izz = [-1, 2]: factors of a moment"),
+    ("cell.yaml", "object.variation", {"mass": [0, 2]}, "object.variation: mass = [0, 2]: factors of the mass"),
+    ("cell.yaml", "object.variation", {"mass": [float("nan"), 2]}, "object.variation.mass[0] = nan: must be a finite"),
+    ("cell.yaml", "object.variation", {"masss": [0.5, 2]}, "unknown parameter 'masss'; did you mean 'mass'?"),
+    ("cell.yaml", "object.variation", {"mass": [0.5]}, "object.variation.mass = [0.5]: has 1 values"),
+    ("cell.yaml", "object.variation", {"mass": "heavy"}, "object.variation.mass = 'heavy': must be a list"),
+    ("cell.yaml", "object.variation", {"mass": [2, 3]}, "object.variation: mass = [2, 3]: it is a factor of"),
+    ("cell.yaml", "object.variation", {"mx": [0.1, 0.3]}, "object.variation: mx = [0.1, 0.3]: it is a difference"),
+    ("cell.yaml", "object.variation", {}, "object.variation: needs at least one range"),
     ("cell.yaml", "robots.1.name", "left", "two robots are called 'left'"),
     ("cell.yaml", "robots.0.urdf", "t\0.urdf", "cannot be read"),
     ("cell.yaml", "robots.0.urdf", "package://no_such_thing/arm.urdf", "robots[0] (left).urdf = 'package://no_such"),

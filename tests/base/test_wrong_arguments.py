@@ -34,7 +34,6 @@ WRITERS = {"write_plot": write_plot, "write_plots": write_plots}
 BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "ObjectMotion")
 """Classes that a user builds; the others come out of functions."""
 
-
 STUDY = f"""
 cell: {DATA / "cell.yaml"}
 motion: {DATA / "lift.yaml"}

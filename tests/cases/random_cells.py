@@ -13,7 +13,6 @@ from shipped_cells import cell_of_arms
 PLANES = {"xy": (0, 1, 2, 1.0), "xz": (0, 2, 1, -1.0), "yz": (1, 2, 0, 1.0)}
 """Plane: its two axes, its normal axis, and the sign of first × second along that axis."""
 
-
 WELL_CONDITIONED = 15
 
 

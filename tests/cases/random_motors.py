@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from changed_robots import with_robots
 
 from mrts.cell.motors import JointMotors
 
@@ -17,6 +18,11 @@ def equipped(cell, **given):
             columns["torque_speed"] = (np.array(given["torque_speed"]),) * n
         robots.append(replace(robot, motors=replace(robot.motors, **columns)))
     return replace(cell, robots=tuple(robots))
+
+
+def with_all_rates(cell):
+    """A cell whose contact wrenches and joints change at limited rates; torque rates are given with the question."""
+    return with_robots(equipped(cell, jerk=2000.0), contact_rate=np.full(len(cell.wrench_components), 20.0))
 
 
 def drawn_motors(rng, cell):

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-INFINITE = np.inf
-
 
 def skew(v):
     S = np.zeros((*v.shape[:-1], 3, 3))
@@ -49,8 +47,8 @@ def cell_programs(rng, count, arms, size):
     torque_map[:, :, -1] += E
     torque = np.tile(rng.choice([0.3, 1.0, 3.0]) * rng.uniform(2, 12, arms * size), (count, 1))
     wrench = rng.uniform(1, 20, arms * size)
-    wrench[rng.random(arms * size) < 0.3] = INFINITE
-    lower_wrench = np.where(rng.random(arms * size) < 0.15, -INFINITE, -wrench)
+    wrench[rng.random(arms * size) < 0.3] = np.inf
+    lower_wrench = np.where(rng.random(arms * size) < 0.15, -np.inf, -wrench)
     keep = np.isfinite(wrench) | np.isfinite(lower_wrench)
     unit = np.concatenate([torque[0], np.where(np.isfinite(wrench), wrench, 1)[keep]])
     A = np.concatenate([torque_map, maps[:, keep]], axis=1)
@@ -91,9 +89,9 @@ def hard_programs(rng, k, rows):
     A, lower, upper, x = boxed(0.0)
     kinds["a single point"] = A, lower, upper, True
     A, lower, upper, x = boxed()
-    lower[0] = -INFINITE
-    upper[1] = INFINITE
-    A[2], lower[2], upper[2] = A[0], upper[0] + 1e-6, INFINITE
+    lower[0] = -np.inf
+    upper[1] = np.inf
+    A[2], lower[2], upper[2] = A[0], upper[0] + 1e-6, np.inf
     kinds["infeasible by 1e-6"] = A, lower, upper, False
     A, lower, upper, _ = boxed()
     A[rows // 2 :] = A[: rows - rows // 2] @ np.diag(np.where(np.arange(k) % 2, 1.0, 0.0)) + A[rows // 2 :] * 0

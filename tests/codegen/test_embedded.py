@@ -28,7 +28,6 @@ OK, UNBOUNDED, INFEASIBLE, BAD_ARGUMENT = 0, 1, 2, 5
 CALLS = "range_of_sample", "equal_share_range"
 DRIFT_FREE = ROOT / "generated" / "embedded" / "planar_dual_arm"
 
-
 LIBRARIES = [(cell, precision) for cell in CELLS for precision in ("double", "float")]
 SOME_LIBRARIES = [("with_motors", "double"), ("dual_ur5", "float")]
 SOME = pytest.mark.parametrize("library", SOME_LIBRARIES, ids="-".join, indirect=True)

@@ -10,12 +10,12 @@ import pytest
 import trimesh
 import yaml
 from conftest import ROOT
+from shipped_cells import sampled, shipped
 
 import mrts
 from mrts.base.formats.record import dumped
 from mrts.collisions.clearance import RESOLUTION, SHARE, CollisionModel
 from mrts.following.coordinate import coordinate
-from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.starting.check import check
 from mrts.studies.variants import solve_variants
 
@@ -26,17 +26,15 @@ EXACT = 1e-6
 """What iterations of both libraries leave [m]."""
 
 
-def described(surroundings=(), **of_object):
-    given = yaml.safe_load((UR5 / "cell.yaml").read_text(encoding="utf-8"))
-    for robot in given["robots"]:
-        robot["urdf"] = str(UR5 / robot["urdf"])
+def described(surroundings, **of_object):
+    given = shipped("dual_ur5")
     return given | {"surroundings": list(surroundings), "object": given["object"] | of_object}
 
 
 def lifting(**keys):
     """Straight up from where the arms of the shipped cell begin, by 0.2 m."""
     given = {"duration": 1.0, "samples": 101, "profile": "quintic", "start": {"xyz": [0, 0.1, 0.35]}}
-    return sample_motion(MotionDescription(**(given | {"end": {"xyz": [0, 0.1, 0.55]}} | keys)))
+    return sampled(given | {"end": {"xyz": [0, 0.1, 0.55]}} | keys)
 
 
 def box(name, sides, xyz):

@@ -1,15 +1,14 @@
 """`mrts sweep` and `mrts place` as a user runs them: answers, files, exit codes, and what is refused."""
 
 import re
-import sys
 
 import pytest
 import yaml
 from command_line import mrts_command
 from conftest import DATA
 from shipped_cells import shipped
-from study_files import write_study
-from sweep_processes import DRIVER
+from study_files import planar_study, write_study
+from sweep_processes import driver_command
 from terminal_session import at_terminal
 
 import mrts
@@ -19,9 +18,7 @@ VARY = 'vary: {object.mass: [1, 24, 2], "robots.left.base.xyz[0]": [0, -2]}'
 
 
 def study_file(folder, text=VARY):
-    path = folder / "study.yaml"
-    path.write_text(f"cell: {DATA / 'cell.yaml'}\nmotion: {DATA / 'lift.yaml'}\n{text}\n")
-    return path
+    return planar_study(folder, text).path
 
 
 @pytest.mark.quick
@@ -63,7 +60,7 @@ def test_wrong_options_are_named(arguments, said, tmp_path):
 
 def test_a_terminal_sees_how_far_it_is_and_ctrl_c_says_how_to_go_on(tmp_path):
     path = study_file(tmp_path, "vary: {object.mass: {from: 1, to: 4, steps: 500}}\nbetween: 0.001")
-    command = [sys.executable, "-c", DRIVER.format(chunk=2), "sweep", path, "-o", tmp_path / "out", "--workers", 1]
+    command = driver_command(path, "-o", tmp_path / "out", "--workers", 1)
     done = at_terminal(command, keys=[("of 500;", "\x03\x03")], COLUMNS="200")
     assert done.code == 130, done.shown
     ending = done.shown[done.shown.index("out holds") :]

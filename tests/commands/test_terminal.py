@@ -25,7 +25,6 @@ MAIN = "import sys; from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
 
 HEAVY = ("numpy", "casadi", "scipy", "pydantic", "yaml", "matplotlib", "mrts_codegen")
 
-
 ELSEWHERE = ("mrts view", "tcp://", "mrts demo -o")
 """Examples that other tests run: one serves until Ctrl-C, see test_viewer.py; a cluster is in test_sweep.py; the demo
 takes seconds, see test_command_line.py."""

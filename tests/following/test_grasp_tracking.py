@@ -4,19 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import UR5
-from followed_motions import assert_consistent, motion
+from followed_motions import motion
 from published_robots import CASES, urdf_path
 
 import mrts
 from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.following.tracking import CLEARLY, arm_reach, branches_at_start, random_starts
 from mrts.starting.arm import Arm
-
-
-def test_a_dual_arm_cell_follows_a_turning_object(dual_ur5):
-    followed = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    assert_consistent(dual_ur5, followed)
 
 
 @pytest.mark.quick

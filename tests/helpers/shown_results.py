@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 from cell_bank import random_planar_cell, random_spatial_cell
-from changed_robots import with_robots
 from conftest import UR5
-from random_motors import equipped
+from random_motors import with_all_rates
 from shipped_cells import still_motion
 
 import mrts
@@ -54,11 +53,6 @@ def braking_only(cell, lift, first):
     parts = (lift.position, lift.rotation, lift.twist, lift.acceleration)
     motion = mrts.ObjectMotion(lift.time[first:] - lift.time[first], *(part[first:] for part in parts))
     return mrts.scale(cell.with_mass(24.0), motion)
-
-
-def with_all_rates(cell, wrench=20.0, jerk=2000.0):
-    """A cell whose contact wrenches and joints change at limited rates; torque rates are given with the question."""
-    return with_robots(equipped(cell, jerk=jerk), contact_rate=np.full(len(cell.wrench_components), wrench))
 
 
 def with_changes(result, **steps):

@@ -16,7 +16,6 @@ SOURCES = {
 }
 TREES = {path: ast.parse(text) for path, text in SOURCES.items()}
 
-
 CALLED_BY_OTHERS = {"emit": "logging", "ignore_aliases": "PyYAML", "list_commands": "Click"}
 CALLED_BY_OTHERS |= dict.fromkeys(("_repr_html_", "_repr_mimebundle_", "_repr_png_"), "notebooks")
 CALLED_BY_OTHERS |= dict.fromkeys(("get_n_in", "get_n_out", "get_sparsity_in"), "CasADi")

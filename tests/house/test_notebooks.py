@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 from conftest import DATA
-from shown_results import AWKWARD, with_all_rates, with_awkward_names
+from shown_results import AWKWARD, with_awkward_names
 
 import mrts
 from mrts.base.notebook import InNotebooks
@@ -29,13 +29,11 @@ LONGEST_PAGE = 40_000
 
 
 @pytest.fixture(scope="module")
-def held(planar_cell, lift, lifted):
+def held(planar_cell, lift, lifted, smooth):
     """One object of every public class, by its name: what is found in a few results, and what is made here."""
-    smooth = mrts.retime(with_all_rates(planar_cell), lift, rates=11.0, between=None)
-    answered = lifted.what_if()
     roots = [
         mrts.scale(planar_cell.with_mass(24.0), lift),
-        dataclasses.replace(lifted, changes=answered),
+        dataclasses.replace(lifted, changes=lifted.what_if()),
         smooth,
         mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift),
         mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"),

@@ -59,7 +59,6 @@ for k, rows in ((1, 3), (3, 12), (31, 120)):
         kernel.solve(None, np.eye(A.shape[1])[-1:], A[None], *ends)
 """
 
-
 SANITIZED_SMOOTH = """
 import sys
 sys.path.insert(0, sys.argv[1])
@@ -84,7 +83,6 @@ for kind in kinds:
             assert solver.torques(one, base.x, base.u) is not None
 """
 
-
 SANITIZED_VARIANTS = """
 import sys
 sys.path.insert(0, sys.argv[1])
@@ -99,9 +97,7 @@ for cell, motion in zip(sys.argv[2::2], sys.argv[3::2]):
             batch_for(study).solve(study.points(0, 10), 0)
 """
 
-
 SANITIZED_SCALING = "import sys; from mrts.cli import main; sys.exit(main(['scale', *sys.argv[1:], '--json', '-']))"
-
 
 SANITIZED_JOINTS = """
 import sys

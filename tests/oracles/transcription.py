@@ -15,10 +15,7 @@ def transcribed(cell, motion, guess=None):
     From rest to rest, with the balance of the object as equations: nothing of the projection, of the wrench form or of
     the recursion is used. The variables are ṡ, so nothing is replaced by tangents or chords. Terms of the arms are the
     generated ones, those of motors are written out: τ = E ṡ² + A s̈ + G + JᵀF + I (q'' ṡ² + q' s̈) + b q' ṡ + c sign(q');
-    curves limit |τ + m q' ṡ| and |q' ṡ|.
-
-    Args:
-        guess: Speeds squared to start from.
+    curves limit |τ + m q' ṡ| and |q' ṡ|. It starts from speeds squared that are guessed.
     """
     (piece,) = path_pieces(cell, motion)
     path, step, n = piece.path, piece.step, motion.samples

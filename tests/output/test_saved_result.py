@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 import yaml
 from casadi_cells import casadi_cell
-from conftest import DATA, UR5
+from conftest import DATA
+from random_motors import with_all_rates
 from same_cells import same_cell
 from shipped_cells import shipped, still_motion
-from shown_results import result_of, with_all_rates, with_changes
+from shown_results import result_of, with_changes
 
 import mrts
 from mrts.limits.cell_limits import torque_limits
@@ -163,21 +164,9 @@ ROUNDING = 1e-6
 EXACT = 1e-9
 """Largest residual of the dynamics [N m, N], as of every result."""
 
-
 NO_FASTER = 1e-4
 """By how much the largest c² within the rates may be off 1: the linear programs of the constant factor ask what torques
 there are, the timing was found for by an interior point that comes near its limits, not to them."""
-
-
-@pytest.fixture(scope="module")
-def spatial(dual_ur5):
-    motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")
-    return mrts.retime(dual_ur5, motion, rates=11.0, between=None, distribute="least-torque")  # rates set its speed
-
-
-@pytest.fixture(scope="module")
-def smooth(planar_cell, lift):
-    return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
 
 
 def check_rates(result, kept):
@@ -188,14 +177,16 @@ def check_rates(result, kept):
         assert np.max(np.abs(np.diff(values, axis=0)) / steps / limits) <= 1 + ROUNDING
 
 
-@pytest.mark.parametrize("cell", ["planar", "spatial"])
-def test_a_table_read_back_can_be_played_as_fast_and_no_faster_within_its_rates(cell, smooth, spatial, tmp_path):
-    found = smooth if cell == "planar" else spatial
-    mrts.write_trajectory_csv(found.retimed, tmp_path / "trajectory.csv")
-    again = mrts.scale(found.cell, mrts.load_motion(tmp_path / "trajectory.csv"), rates=11.0, between=None)
-    assert again.range.upper.c2 == pytest.approx(1, abs=NO_FASTER)
-    assert {row.name.kind for row in again.range.upper.rows} & {"torque rate", "wrench rate"}
-    assert not any(warning.code == "step-at-ends" for warning in again.warnings)
+def test_a_table_read_back_can_be_played_as_fast_and_no_faster_within_its_rates(
+    smooth, dual_ur5, lift_and_turn, tmp_path
+):
+    asked = {"rates": 11.0, "between": None}
+    for found in (smooth, mrts.retime(dual_ur5, lift_and_turn, **asked, distribute="least-torque")):
+        mrts.write_trajectory_csv(found.retimed, tmp_path / "trajectory.csv")
+        again = mrts.scale(found.cell, mrts.load_motion(tmp_path / "trajectory.csv"), **asked)
+        assert again.range.upper.c2 == pytest.approx(1, abs=NO_FASTER)
+        assert {row.name.kind for row in again.range.upper.rows} & {"torque rate", "wrench rate"}
+        assert not any(warning.code == "step-at-ends" for warning in again.warnings)
 
 
 def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lift):

@@ -9,7 +9,8 @@ import pytest
 from gantries import along_x, gantries
 from legible_figures import check_legible, lines_of
 from motor_recordings import exact_recording, random_motors, recording
-from shown_results import KINDS, result_of, with_all_rates
+from random_motors import with_all_rates
+from shown_results import KINDS, result_of
 
 import mrts
 from mrts.plots import (
@@ -178,11 +179,6 @@ SAME_ARC = 1e-9
 INNER = slice(5, -5)
 STRAIGHT = 0.01
 """Speed is taken as a straight line along the path, which it is not near the ends at rest: there s ~ t³."""
-
-
-@pytest.fixture(scope="module")
-def smooth(planar_cell, lift):
-    return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
 
 
 def line_with(plot, beginning):

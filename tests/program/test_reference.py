@@ -13,15 +13,11 @@ RANGE_TOLERANCE = 1e-7  # HiGHS and Newton tolerances of 1e-10 and 1e-12, times 
 MOTION_TOLERANCE = 1e-8
 
 
-def drawn(make, arms, seed, folder):
-    return make(np.random.default_rng([arms, seed]), folder, arms)
-
-
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
 @pytest.mark.parametrize("arms", [pytest.param(4, marks=pytest.mark.slow), 3, 2, 1])
 @pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.quick), *seeds(1, SEEDS - 1)[1:]])
 def test_ranges_equal_the_reference(seed, arms, make, tmp_path):
-    case = drawn(make, arms, seed, tmp_path)
+    case = make(np.random.default_rng([arms, seed]), tmp_path, arms)
     motion = mrts.follow_object(case.cell, case.motion)
     reference = ReferenceCell(case.cell_file)
     _, samples = reference.object_motion(case.motion_file)

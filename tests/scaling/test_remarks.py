@@ -1,12 +1,12 @@
 """What is said of a motion before its range is trusted, and that it is said wherever the result is."""
 
-import csv
 import json
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
+from motion_tables import QUATERNION_NAMES, write_table
 
 import mrts
 from mrts.base.errors import Remark
@@ -31,12 +31,8 @@ def straight_lift(profile="quintic", duration=1.0, samples=101):
 
 def table(path, time, heights):
     """A table of poses of the lift."""
-    with path.open("w", newline="") as file:
-        lines = csv.writer(file)
-        lines.writerow(["t", "px", "py", "pz", "qx", "qy", "qz", "qw"])
-        for t, height in zip(time.tolist(), heights, strict=True):
-            lines.writerow([f"{t:.9g}", 1.25, height, 0, 0, 0, 0, 1])
-    return mrts.load_motion(path)
+    values = np.broadcast_arrays(np.round(time, 9), 1.25, heights, 0, 0, 0, 0, 1)
+    return mrts.load_motion(write_table(path, dict(zip(["t", *QUATERNION_NAMES], values, strict=True)), ".17g"))
 
 
 @pytest.mark.parametrize("samples", [11, 21, 25, 101, 400])
@@ -53,7 +49,7 @@ def test_noise_that_sets_the_range(planar_cell, tmp_path, samples, noise, said, 
     smooth = straight_lift(samples=samples)
     unturned = np.tile([0.0, 0.0, 0.0, 1.0], (samples, 1))
     heights = smooth.position[:, 1] + noise * np.random.default_rng(5).normal(size=samples)
-    motion = table(tmp_path / "lift.csv", smooth.time, heights.tolist())
+    motion = table(tmp_path / "lift.csv", smooth.time, heights)
     if between > 1:
         at = np.linspace(0, motion.time[-1], between * (samples - 1) + 1)
         motion = spline_motion(motion.time, motion.position, unturned, at)
@@ -67,7 +63,7 @@ def test_noise_that_sets_the_range(planar_cell, tmp_path, samples, noise, said, 
 def test_a_row_out_of_line_is_a_jump(planar_cell, tmp_path):
     smooth = straight_lift()
     heights = np.where(np.arange(101) == 40, 0.01, 0.0) + smooth.position[:, 1]
-    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights.tolist()), between=None)
+    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights), between=None)
     (jump,) = [warning for warning in result.warnings if warning.code == "jump"]
     assert jump.sample in {39, 40, 41}
 

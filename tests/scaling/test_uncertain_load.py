@@ -21,9 +21,7 @@ from mrts.program.sample_ranges import sample_ranges
 
 RANGE_TOLERANCE = 1e-8  # the bar of a guaranteed end; programs are verified to 1e-9
 
-
 GRID = 1e-3  # a grid of 2001 loads misses an interior optimum by about this
-
 
 scaled = partial(mrts.scale, between=None)  # ranges of the same samples are compared
 

@@ -1,6 +1,5 @@
 """`mrts.check_plan`: sound plans pass, and each kind of damage is found where it is."""
 
-import csv
 import json
 from dataclasses import replace
 
@@ -9,10 +8,12 @@ import pytest
 from command_line import mrts_command
 from conftest import UR5
 from gantries import along_x, gantries, uphill_gantries
+from motion_tables import write_table
 from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.base.errors import InputError
+from mrts.output.trajectory_table import trajectory_columns
 
 SAME = 1e-6
 """Share of a limit: the sides of a range to which plans are sampled, and programs, are exact to 1e-9."""
@@ -29,24 +30,12 @@ PARTS = ("q", "dq", "ddq", "tau", "F")
 def table(path, columns, kept=PARTS):
     """Write some columns, by name, to a file."""
     chosen = {name: values for name, values in columns.items() if name == "t" or name.partition(".")[0] in kept}
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(chosen)
-        writer.writerows(np.column_stack(list(chosen.values())).tolist())
-    return path
-
-
-def columns(result, folder):
-    """Columns of the plan of a result, by name, read from its file."""
-    mrts.write_trajectory_csv(result, folder / "whole.csv")
-    with (folder / "whole.csv").open() as file:
-        names, *rows = csv.reader(file)
-    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    return write_table(path, chosen, ".17g")
 
 
 @pytest.fixture
-def plan(turned, tmp_path):
-    return columns(turned, tmp_path)
+def plan(turned):
+    return trajectory_columns(turned)
 
 
 def share(found, kind, element=None):
@@ -76,7 +65,7 @@ def test_dry_friction_changes_no_rate_from_the_first_row_to_the_next(lift, tmp_p
         robot["motors"] = {"friction": {"coulomb": 2.0}, "torque_rate": 400.0}
     cell = mrts.load_cell(cell_file(tmp_path, cell))
     smooth = mrts.retime(cell, lift, rates=True)
-    found = mrts.check_plan(cell, table(tmp_path / "plan.csv", columns(smooth.retimed, tmp_path)))
+    found = mrts.check_plan(cell, table(tmp_path / "plan.csv", trajectory_columns(smooth.retimed)))
     assert share(found, "torque rate") == pytest.approx(1, abs=BETWEEN)
 
 
@@ -141,7 +130,7 @@ def test_damage_is_found(damage, dual_ur5, plan, tmp_path):
 
 
 def test_a_joint_past_its_range_is_found(planar_cell, lifted, tmp_path):
-    given = columns(lifted, tmp_path)
+    given = trajectory_columns(lifted)
     elbow = given["q.left/elbow"]
     lower, upper = np.min(elbow) + 0.1, np.max(elbow) + 1.0
     range_ = {"position_lower": np.array([-9, lower, -9]), "position_upper": np.array([9, upper, 9])}
@@ -155,7 +144,7 @@ def test_a_joint_past_its_range_is_found(planar_cell, lifted, tmp_path):
 
 def test_jumps_of_the_fastest_timing_are_rounded_off_between_the_rows(planar_cell, lift, tmp_path):
     fastest = mrts.retime(planar_cell, lift).retimed
-    found = mrts.check_plan(planar_cell, table(tmp_path / "plan.csv", columns(fastest, tmp_path)))
+    found = mrts.check_plan(planar_cell, table(tmp_path / "plan.csv", trajectory_columns(fastest)))
     worst = found.passed[0]
     assert (found.status, worst.name.kind) == ("impossible", "torque")
     assert "to" in found.place(worst)
@@ -167,14 +156,14 @@ def test_sliding_joints_without_gravity_or_with_friction_are_fine(make, tmp_path
     """No moment acts on the object, and some joints stand still: there is little to compare rounding with."""
     cell = make(tmp_path, velocity=0.1) if make is gantries else make(tmp_path)
     result = mrts.scale(cell, along_x())
-    assert mrts.check_plan(cell, table(tmp_path / "plan.csv", columns(result, tmp_path))).status == "fine"
+    assert mrts.check_plan(cell, table(tmp_path / "plan.csv", trajectory_columns(result))).status == "fine"
 
 
 def test_dry_friction_of_joints_at_rest_is_no_residual(lift, tmp_path):
     keys = shipped(motors={"friction": {"coulomb": 2.0}})
     cell = mrts.load_cell(cell_file(tmp_path, keys))
     result = mrts.scale(cell, lift)
-    found = mrts.check_plan(cell, table(tmp_path / "plan.csv", columns(result, tmp_path)))
+    found = mrts.check_plan(cell, table(tmp_path / "plan.csv", trajectory_columns(result)))
     assert result.trajectory.has_friction
     assert found.status == "fine"
     assert share(found, "torque residual") < SAME

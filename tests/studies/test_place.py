@@ -167,7 +167,6 @@ MOTORS = {
     "torque_speed": [[0, 160], [1, 160], [5, 30]],
 }
 
-
 CASES = {
     "dual": {"cell": "dual_ur5"},
     "planar": {"cell": "planar_dual_arm", "reserve": 0.1},

@@ -17,7 +17,6 @@ from mrts.studies.variants import batch_for, column_types, solve_one_by_one, sol
 SAME = 1e-9
 """Share by which answers may differ: matrices are rounded once more through a file, programs start elsewhere."""
 
-
 REFUSED = {"invalid": mrts.InputError, "unreachable": mrts.MotionError}
 """What `mrts.scale` raises of files whose rows have these statuses."""
 
@@ -81,11 +80,19 @@ def test_each_row_is_what_scale_says_of_the_files_of_its_variant(wide, tmp_path)
         assert row["upper_time"] == pytest.approx(result.range.upper.time)
 
 
-def test_questions_of_a_study_are_those_of_scale(tmp_path):
-    text = "vary: {object.mass: [0.4, 0.8]}\nreserve: 0.1\nbetween: 0.001"
-    study = planar_study(tmp_path, text)
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("vary: {object.mass: [0.4, 0.8]}\nreserve: 0.1\nbetween: 0.001", {"reserve": 0.1, "between": 0.001}),
+        ("vary:\n  object.variation.mass[1]: [1.5, 3]", {"load": "guaranteed", "between": None}),
+    ],
+)
+def test_questions_of_a_study_are_those_of_scale(text, asked, tmp_path):
+    cell = shipped("planar_dual_arm")
+    cell["object"] |= {"variation": {"mass": [0.5, 1.5]}} if "load" in asked else {}
+    study = planar_study(tmp_path, text, cell=cell)
     for row in rows_of(solve_variants(study, 0, 2)):
-        result = scaled(study, row["variant"], tmp_path / str(row["variant"]), reserve=0.1, between=0.001)
+        result = scaled(study, row["variant"], tmp_path / str(row["variant"]), **asked)
         assert row["c2_upper"] == pytest.approx(result.range.upper.c2, rel=SAME)
 
 
@@ -98,15 +105,6 @@ def test_the_optimal_profile_gives_its_duration_beside_the_constant_range(tmp_pa
     assert fast["duration"] == pytest.approx(found.duration, rel=SAME)
     assert fast["c2_upper"] == pytest.approx(found.constant.range.upper.c2, rel=SAME)
     assert (heavy["status"], heavy["duration"]) == ("infeasible", None)
-
-
-def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
-    cell = shipped("planar_dual_arm")
-    cell["object"]["variation"] = {"mass": [0.5, 1.5]}
-    study = planar_study(tmp_path, "vary:\n  object.variation.mass[1]: [1.5, 3]", cell=cell)
-    expected = [mrts.scale(planar_cell.with_variation(mass=(0.5, most)), lift, between=None) for most in (1.5, 3.0)]
-    found = solve_variants(study, 0, 2)
-    assert found["c2_upper"] == pytest.approx([result.range.upper.c2 for result in expected], rel=SAME)
 
 
 def test_a_defect_is_a_row_and_an_interrupt_is_not(wide):

@@ -11,7 +11,6 @@ DIRECTIONS = 24
 SAME = 3e-9
 """Of a limit: each polygon lies inside the true one by less than 1e-9, beside corners of its own size."""
 
-
 LARGEST = 50.0
 """u and x end where they move some row by this many limits."""
 

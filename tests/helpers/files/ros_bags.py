@@ -6,9 +6,7 @@ from rosbags.typesys import Stores, get_typestore
 
 KIND = "trajectory_msgs/msg/JointTrajectory"
 
-
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
-
 
 PARTS = ("positions", "velocities", "accelerations")
 
