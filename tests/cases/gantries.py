@@ -62,7 +62,7 @@ def there_and_back(turn, samples=101, wait=0):
     return straight(time, x[order], v[order], a[order], smooth=False)
 
 
-def loop(time, turned, speed, rate, radius=0.5):
+def loop(time, turned, speed, rate, radius=0.5, **given):
     """The object around a vertical circle, its top inward, turned off the topmost place by so much at each time."""
     none = np.zeros_like(time)
     out = np.column_stack([np.sin(turned), np.cos(turned), none])
@@ -72,7 +72,7 @@ def loop(time, turned, speed, rate, radius=0.5):
     acceleration[:, :3] = radius * (rate[:, None] * along - (speed**2)[:, None] * out)
     acceleration[:, 5] = -rate
     rotation = np.stack([-along, -out, np.tile([0.0, 0.0, 1.0], (len(time), 1))], axis=2)
-    return mrts.ObjectMotion(time, radius * out, rotation, twist, acceleration)
+    return mrts.ObjectMotion(time, radius * out, rotation, twist, acceleration, **given)
 
 
 UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N

@@ -28,12 +28,8 @@ UNITS = {
 }
 
 
-@pytest.fixture(scope="module")
-def rails(tmp_path_factory):
-    return gantries(tmp_path_factory.mktemp("rails"))
-
-
-def test_units_are_those_of_joints_hands_curves_and_the_object(rails):
+def test_units_are_those_of_joints_hands_curves_and_the_object(tmp_path):
+    rails = gantries(tmp_path)
     curve = [[0, 20], [1, 10]]
     pad = {"friction": 0.5, "half_width": [0.1], "force": [1, 2], "normal": [1, 0, 0]}
     near = {

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import DATA
 from exported_library import run
+from gantries import loop
 from loaded_library import LoadedLibrary
 from shipped_cells import changed_cell
 
@@ -14,7 +15,6 @@ from mrts.cell.generation import export_to
 from mrts.cli import main
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName
-from mrts.motion.object_motion import ObjectMotion
 from mrts.output.embedded_limits import embedded_limits
 from mrts.output.embedded_test_vectors import make_vectors
 
@@ -233,17 +233,11 @@ RADIUS, TURNING, FRICTION = 0.5, 2.0, 0.5
 """Of a loop [m, rad/s], and of a cup's foot."""
 
 
-def loop(cell):
-    """The object once around, its top toward the middle, joints wherever they are."""
+def once_around(cell):
+    """The object in a loop, its top toward the middle, joints wherever they are."""
     angle = np.linspace(0.1, 2 * np.pi - 0.1, 41)  # from the lowest point
-    outward = np.column_stack([np.sin(angle), -np.cos(angle), np.zeros_like(angle)])
-    along = np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
-    rotation = np.stack([along, -outward, np.tile([0.0, 0.0, 1.0], (len(angle), 1))], axis=2)
-    turning, still = np.zeros((2, len(angle), 3))
-    turning[:, 2] = TURNING
-    twist = np.hstack([RADIUS * TURNING * along, turning])
-    acceleration = np.hstack([-RADIUS * TURNING**2 * outward, still])
-    path = ObjectMotion((angle - angle[0]) / TURNING, RADIUS * outward, rotation, twist, acceleration, smooth=False)
+    turning = np.full(len(angle), TURNING)
+    path = loop((angle - angle[0]) / TURNING, np.pi - angle, -turning, 0 * turning, RADIUS, smooth=False)
     q, rest = np.tile(cell.posture, (len(angle), 1)), np.zeros((len(angle), len(cell.posture)))
     return angle, CoordinatedMotion(path, q, rest, rest)
 
@@ -260,7 +254,7 @@ def strong(cell):
 def test_a_cup_stays_in_a_loop_from_a_least_speed_on(precision, tmp_path):
     path, folder = changed_cell(tmp_path, strong), tmp_path / "library"
     cell = mrts.load_cell(path)
-    angle, motion = loop(cell)
+    angle, motion = once_around(cell)
     vectors = make_vectors(cell, motion)
     assert sum(vector.ends[0] > 0 for vector in vectors) > len(vectors) / 2
     given = {"limits": embedded_limits(cell), "vectors": vectors, "path_samples": motion.samples}

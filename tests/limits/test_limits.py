@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_left
 from scipy.optimize import linprog
 
 import mrts
@@ -20,13 +21,9 @@ CURVE = np.array([[0.0, 90.0], [2.0, 90.0], [4.0, 60.0], [5.0, 10.0]])
 @pytest.mark.quick
 def test_rows_hold_exactly_what_the_curve_admits(planar_cell, lift):
     """By membership, with the plain limits of the torque: 10⁴ torques and speeds in both directions."""
-    robot = planar_cell.robots[0]
-    unknown = JointMotors.unknown(3)
-    names = [name for name in JointMotors.__dataclass_fields__ if name != "torque_speed"]
-    motors = JointMotors(torque_speed=(CURVE, None, None), **{name: getattr(unknown, name) for name in names})
-    limit = np.array([90.0, 80.0, 50.0])
-    robots = (replace(robot, motors=motors, torque_lower=-limit, torque_upper=limit), *planar_cell.robots[1:])
-    cell, motion = replace(planar_cell, robots=robots), mrts.follow_object(planar_cell, lift)
+    motors, limit = replace(JointMotors.unknown(3), torque_speed=(CURVE, None, None)), np.array([90.0, 80.0, 50.0])
+    cell = with_left(planar_cell, motors=motors, torque_lower=-limit, torque_upper=limit)
+    motion = mrts.follow_object(planar_cell, lift)
     rows = motor_limits(cell, motion)
     assert [name.kind for name in rows.names] == ["torque-speed", "torque-speed", "motor speed"]
     rng, joints = np.random.default_rng(3), motion.q.shape[1]

@@ -21,22 +21,14 @@ CURVE = np.array([[0, 120.0], [1, 110], [6, 10]])
 """Of the left shoulder and elbow, whose torque limits are 100 and 80 N m: its lines cross them within the lift."""
 
 
-@pytest.fixture(scope="module")
-def cell(planar_cell):
-    return with_left(planar_cell, motors=replace(planar_cell.robots[0].motors, torque_speed=(CURVE, CURVE, None)))
-
-
-@pytest.fixture(scope="module")
-def result(cell, lift):
-    return mrts.scale(cell, lift)
-
-
 def largest(speed):
     """What the curve gives at a speed, by interpolation between its corners [N m]."""
     return np.interp(np.abs(speed), *CURVE.T)
 
 
-def test_limits_of_the_torque_are_what_the_curve_gives_where_the_motor_drives(result):
+def test_limits_of_the_torque_are_what_the_curve_gives_where_the_motor_drives(planar_cell, lift):
+    motors = replace(planar_cell.robots[0].motors, torque_speed=(CURVE, CURVE, None))
+    result = mrts.scale(with_left(planar_cell, motors=motors), lift)
     done = result.trajectory
     torques = limited_quantities(result, "torque", "left")
     for j, plain in enumerate(result.cell.robots[0].torque_upper[:2]):

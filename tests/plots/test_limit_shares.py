@@ -48,13 +48,9 @@ def test_the_directions_of_a_hands_friction_make_one_line():
     assert np.max(of.share) <= 1 + 1e-6
 
 
-@pytest.fixture(scope="module")
-def spatial(dual_ur5):
-    return mrts.scale(dual_ur5.without_velocity_limits(), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-
-
 @pytest.mark.quick
-def test_lanes_are_filled_exactly_where_their_rows_bind(spatial):
+def test_lanes_are_filled_exactly_where_their_rows_bind(dual_ur5, lift_and_turn):
+    spatial = mrts.scale(dual_ur5.without_velocity_limits(), lift_and_turn)
     samples, lanes = spatial.range.samples, binding_lanes(spatial.range)
     assert len(lanes) == MOST_LANES  # 21 rows bind somewhere: the rest shares the last lane
     labels = [{row.label for row in spatial.range.binding(k, "upper")} for k in range(len(samples.time))]

@@ -160,17 +160,13 @@ def test_a_velocity_whose_peak_lies_between_samples(tmp_path, samples, between):
         assert found.excess.share <= between
 
 
-@pytest.fixture(scope="module")
-def redundant():
-    return mrts.load_cell(DATA.parent / "redundant" / "cell.yaml")
-
-
 def trapezoid_lift(samples):
     """The redundant cell's lift by a trapezoid, whose acceleration jumps at a third and at two thirds of the time."""
     return sampled(shipped_motion("redundant", profile="trapezoid", samples=samples))
 
 
-def test_jumps_of_acceleration_are_found_at_any_number_of_samples(redundant):
+def test_jumps_of_acceleration_are_found_at_any_number_of_samples():
+    redundant = mrts.load_cell(DATA.parent / "redundant" / "cell.yaml")
     found = [mrts.scale(redundant, trapezoid_lift(samples)).range.upper.c2 for samples in (15, 16, 29, 57, 449)]
     exact = mrts.scale(redundant, trapezoid_lift(3001), between=None).range.upper.c2  # 3000 / 3: corners are samples
     np.testing.assert_allclose(found, exact, rtol=BETWEEN)

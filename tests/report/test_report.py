@@ -22,11 +22,6 @@ DRAWN = 1e-5
 """Numbers of a page have six digits."""
 
 
-@pytest.fixture(scope="module")
-def timing(planar_cell, lift):
-    return mrts.retime(planar_cell, lift)
-
-
 @pytest.mark.quick
 def test_names_stay_text_and_the_page_loads_nothing(planar_cell, lift, lifted):
     text = own_text(report_html(lifted))
@@ -97,7 +92,8 @@ def sections(text):
 
 
 @pytest.mark.quick
-def test_the_timing_stands_first_with_saving_limits_and_phase_plane(timing):
+def test_the_timing_stands_first_with_saving_limits_and_phase_plane(planar_cell, lift):
+    timing = mrts.retime(planar_cell, lift)
     text = report_html(timing)
     assert sections(text)[:2] == ["timing", "motion"]
     sentence = timing.sentence()

@@ -7,6 +7,7 @@ import pytest
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from changed_robots import with_left
 from gantries import along_x, gantries
+from random_motors import drawn_motors
 
 import mrts
 
@@ -48,20 +49,8 @@ def asked_questions(seed, cell):
         (vary, {}),
         (vary, {"sharing": mrts.LoadSharing()}),
         (cell, {"formulation": "torque"}),
-        (with_motors(cell), {"distribute": "reserve"}),
+        (drawn_motors(np.random.default_rng(seed), cell), {"distribute": "reserve"}),
     ][seed % 7]
-
-
-def with_motors(cell):
-    """Motors with rotor inertia, both kinds of friction and a torque that falls with the speed."""
-
-    def motor(robot):
-        most = robot.torque_upper
-        curves = tuple(np.array([[0, torque], [0.3, torque], [3, 0.3 * torque]]) for torque in most)
-        friction = {"coulomb": 0.1 * most, "viscous": 0.05 * most}
-        return replace(robot.motors, armature=np.full(len(most), 0.02), torque_speed=curves, **friction)
-
-    return replace(cell, robots=tuple(replace(robot, motors=motor(robot)) for robot in cell.robots))
 
 
 @pytest.mark.parametrize("seed", range(7))

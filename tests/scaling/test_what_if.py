@@ -89,11 +89,6 @@ def file_with(description, change, cell):
     return changed
 
 
-@pytest.fixture(scope="module")
-def planar_changes(planar_cell, lift):
-    return mrts.scale(planar_cell, lift).what_if()
-
-
 @pytest.mark.quick
 def test_a_limit_that_binds_alone_in_closed_form(tmp_path):
     """Two gantries push 11 kg along 2 m with 20 N each: c² is force by mass, and at most (velocity / 3 m/s)²."""
@@ -111,11 +106,12 @@ def test_a_limit_that_binds_alone_in_closed_form(tmp_path):
 
 
 @pytest.mark.quick
-def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(planar_changes):
-    durations = [one.after.duration for one in planar_changes.changes]
+def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(lifted):
+    found = lifted.what_if()
+    durations = [one.after.duration for one in found.changes]
     assert durations == sorted(durations)
-    assert planar_changes.without_effect == ("left/wrist", "right/wrist")
-    question, _head, *table, last = str(planar_changes).splitlines()
+    assert found.without_effect == ("left/wrist", "right/wrist")
+    question, _head, *table, last = str(found).splitlines()
     assert last.startswith("14 more changes matter less (--json has all); nothing else matters (torque 2): each may be")
     assert question.endswith("now 0.2992 s at c² = 3.062")
     assert " ".join(table[0].split()) == "mass -10 % time -0.804 % 0.2968 s left/elbow, right/elbow, left/fx and 3 more"

@@ -30,20 +30,9 @@ SAME_ENERGY = 2e-3
 """Share of the work of the motors: trapezoids over steps of torques, and what grasps dissipate."""
 
 
-@pytest.fixture(scope="module")
-def ur5_smooth(dual_ur5):
-    return mrts.retime(dual_ur5, mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml"), rates=10.0)
-
-
-@pytest.fixture(scope="module")
-def slow(dual_ur5):
-    """The planned motion of the UR5s at a third of its speed, whose ends are smooth."""
-    motion = mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml")
-    return mrts.scale(dual_ur5, motion, select=0.1)
-
-
-def test_the_exact_cell_does_what_was_planned(slow):
-    found = mrts.simulate(slow, PROMPT, EXACT)
+def test_the_exact_cell_does_what_was_planned(dual_ur5, lift_and_turn):
+    """At a third of the given speed, where the ends are smooth."""
+    found = mrts.simulate(mrts.scale(dual_ur5, lift_and_turn, select=0.1), PROMPT, EXACT)
     plan, played = found.plan, found.played
     inside = played.time <= plan.duration
     planned = np.column_stack([np.interp(played.time[inside], plan.time, column) for column in plan.wrench.T])
@@ -103,9 +92,9 @@ def test_work_of_the_motors_lifts_and_rubs(lifted):
     assert rubbed > 0.05 * work
 
 
-def test_at_the_end_the_grasps_carry_the_true_load(ur5_smooth):
-    cell = ur5_smooth.retimed.cell
-    found = mrts.simulate(ur5_smooth, errors=mrts.PlantErrors(mass=0.2, com=np.array([0.02, 0.0, 0.0])))
+def test_at_the_end_the_grasps_carry_the_true_load(dual_ur5, lift_and_turn):
+    cell, plan = dual_ur5, mrts.retime(dual_ur5, lift_and_turn, rates=10.0)
+    found = mrts.simulate(plan, errors=mrts.PlantErrors(mass=0.2, com=np.array([0.02, 0.0, 0.0])))
     late = found.played.wrench[found.played.time > found.played.time[-1] - 0.05].mean(axis=0)
     forces, moments = np.zeros(3), np.zeros(3)
     R = found.played.motion.object.rotation[-1]

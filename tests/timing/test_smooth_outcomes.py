@@ -175,15 +175,11 @@ def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, plana
     assert excess < 1e-4  # 4 % at a quarter of the nodes, where other wrenches than the plan's keep this
 
 
-@pytest.fixture(scope="module")
-def rounded():
-    """A timing whose samples are too close for their rounding once limits of jerk ask for more nodes."""
+def test_the_timing_with_the_least_excess_is_kept_and_said():
+    """Of samples that are too close for their rounding once limits of jerk ask for more nodes."""
     cell = equipped(mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"), jerk=950.0)
     motion = sampled(shipped_motion("squeeze", samples=58, duration=2.4))
-    return mrts.retime(cell, motion, rates=11.5, between=1e-5, distribute="least-torque")
-
-
-def test_the_timing_with_the_least_excess_is_kept_and_said(rounded):
+    rounded = mrts.retime(cell, motion, rates=11.5, between=1e-5, distribute="least-torque")
     assert rounded.status is mrts.RetimingStatus.LOCALLY_AT_SAMPLES
     assert rounded.smooth.steps <= 40
     assert rounded.motion.samples <= 600
@@ -216,9 +212,8 @@ def test_with_rates_a_hundredth_of_the_duration_leaves_most_of_the_limits(dual_u
     assert np.max(largest_shares(least)) > 1 - KEPT
     assert np.max(np.abs(rates_of(kept)) / kept.options.rates.torque) <= 1 + KEPT
     assert not kept.excess.passes
-    assert {name for name, _ in least.limits[:5]} == {
-        name for name, _ in kept.limits[:5]
-    }  # what sets the speed is told, though the plan stays away from it
+    # what sets the speed is told, though the plan stays away from it
+    assert {name for name, _ in least.limits[:5]} == {name for name, _ in kept.limits[:5]}
 
 
 def test_least_torque_stays_where_there_is_nothing_to_distribute(planar_cell, lift):

@@ -64,8 +64,6 @@ def open_page(browser, url):
         page.close()
 
 
-assert chromium  # a fixture, imported for pytest
-
 FILES = DATA / "cell.yaml", DATA / "lift.yaml"
 
 WIDTHS = (1400, 900, 700, 577, 500)
