@@ -112,10 +112,7 @@ def good(planar_cell):
         "Cell.with_load": {"self": planar_cell, "load": planar_cell.load},
         "Cell.with_variation": {"self": planar_cell, "mass": (0.5, 2.0)},
         "Cell.with_postures": {"self": planar_cell, "postures": {"left": [0.0, 0.0, 0.0]}},
-        "Cell.from_description": {
-            "description": yaml.safe_load((DATA / "cell.yaml").read_text()),
-            "folder": DATA,
-        },
+        "Cell.from_description": {"description": yaml.safe_load((DATA / "cell.yaml").read_text()), "folder": DATA},
         "Cell.with_values": {"self": planar_cell, "values": {"robots.left.base.xyz": [0.1, 0.0, 0.0]}},
         "Cell.to_yaml": {"self": planar_cell, "path": "cell.yaml"},
         "LoadBox.load_at": {"self": box, "parameters": {"mass": 1.5}},

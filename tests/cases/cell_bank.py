@@ -86,11 +86,7 @@ def drawn_until(suits, draw):
 
 def random_timing(rng, durations, samples):
     """Duration [s], samples and profile of a motion file."""
-    return {
-        "duration": float(rng.uniform(*durations)),
-        "samples": samples,
-        "profile": str(rng.choice(PROFILES)),
-    }
+    return {"duration": float(rng.uniform(*durations)), "samples": samples, "profile": str(rng.choice(PROFILES))}
 
 
 def random_wrench_limits(rng, low, high, size):

@@ -63,8 +63,7 @@ def test_every_published_chain_loads_or_is_refused_for_a_reason():
 
 
 @pytest.mark.parametrize(
-    "moments",
-    [(1, 1.5, 2), (1, 1, 2.5), (-1, 2, 5), (-3, 1, 5), (-1, -1, 3), (-1, -2, -3), (0, 0, 1), (1, 4.3, 7.3)],
+    "moments", [(1, 1.5, 2), (1, 1, 2.5), (-1, 2, 5), (-3, 1, 5), (-1, -1, 3), (-1, -2, -3), (0, 0, 1), (1, 4.3, 7.3)]
 )
 def test_a_moved_inertia_is_the_nearest(moments):
     """X is the point nearest to A of the bodies' cone, tr(Σ) 1 - Σ with Σ >= 0, if and only if (Moreau) X is in it,

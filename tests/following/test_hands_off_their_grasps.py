@@ -1,16 +1,91 @@
-"""Joints whose hands are a little off their grasps: moved onto them within a bound, or refused."""
+"""Joints whose hands are a little off their grasps: moved onto them within a bound, or refused; how far, in one call."""
 
 import numpy as np
 import pytest
+from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import UR5
 from motion_tables import columns_of, perturbed, write_table
 from scipy.interpolate import CubicSpline
 
 import mrts
+from mrts.base.arrays import apply
+from mrts.base.manifest import GEOMETRY
 from mrts.cli import main
-from mrts.following.coordinated_motion import tip_motions
-from mrts.following.grasp_closure import grasp_gaps
-from mrts.following.tracking import tip_rates
+from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
+from mrts.following.grasp_closure import grasp_gaps, nearest_rates
+from mrts.following.tracking import CONDITION_LIMIT, tip_rates
+from mrts.kernel.tracking import closure_sizes
+
+ROUNDING = 1e-12
+"""Of what is found in another order of the same operations, of sizes about 1."""
+
+
+def by_the_library(cell, motion):
+    inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
+    return closure_sizes(cell.library, inputs, motion.object.position, cell.geometry, cell.wrench_rows)
+
+
+def assert_same(cell, motion):
+    """The library's sizes are those of numpy."""
+    distance, angle, *rates = by_the_library(cell, motion)
+    tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
+    gaps = grasp_gaps(cell, motion.object, tips)
+    np.testing.assert_allclose([distance, angle], np.max(gaps, axis=2), atol=ROUNDING)
+    for index, (robot, tip) in enumerate(zip(cell.robots, tips, strict=True)):
+        velocity, acceleration = tip_rates(cell, robot, motion.object)
+        for ours, expected, size, slip in (
+            (tip.velocity, velocity, *rates[:2]),
+            (tip.acceleration, acceleration, *rates[2:]),
+        ):
+            np.testing.assert_allclose(size[index], max(np.max(np.abs(ours)), np.max(np.abs(expected))), rtol=ROUNDING)
+            np.testing.assert_allclose(slip[index], np.max(np.abs(ours - expected)), rtol=ROUNDING, atol=ROUNDING)
+
+
+def moved(motion, rng, size):
+    """A motion whose joints are off by about so much."""
+    joints = (part + size * rng.normal(size=part.shape) for part in (motion.q, motion.dq, motion.ddq))
+    return CoordinatedMotion(motion.object, *joints)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("draw", "arms"),
+    [(random_planar_cell, 1), (random_planar_cell, 3), (random_spatial_cell, 1), (random_spatial_cell, 2)],
+)
+def test_the_library_finds_what_numpy_finds(tmp_path, draw, arms):
+    rng = np.random.default_rng(arms)
+    given = draw(rng, tmp_path, arms)
+    cell = mrts.load_cell(given.cell_file)
+    motion = mrts.follow_object(cell, given.motion)
+    for size in (0.0, 1e-6, 1e-3, 0.3):
+        assert_same(cell, moved(motion, rng, size))
+
+
+def test_whole_chunks_and_what_is_left(dual_ur5):
+    """The largest of all samples, wherever it is, with one thread or two."""
+    motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    rng = np.random.default_rng(0)
+    for samples in (2, 257, 515):
+        some = motion.at(np.linspace(0, motion.samples - 1, samples).astype(int))
+        q = some.q.copy()
+        q[rng.integers(samples), 3] += 1e-2
+        assert_same(dual_ur5, CoordinatedMotion(some.object, q, some.dq, some.ddq))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("elbow", [0.0, 1e-7, 0.5])
+def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, planar_cell, lift):
+    """Stretched out at one end, or nearly so: as with the pseudoinverse of every Jacobian."""
+    motion = mrts.follow_object(planar_cell, lift)
+    q, dq = motion.q.copy(), motion.dq + 0.1
+    q[-1, 1] = elbow
+    ours = nearest_rates(planar_cell, motion.object, q, dq, motion.ddq)[0]
+    jacobians = planar_cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(planar_cell.robots, planar_cell.joint_slices.values(), strict=True):
+        J, (velocity, _) = jacobians[:, :, joints], tip_rates(planar_cell, robot, motion.object)
+        inverse = np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT)
+        expected = dq[:, joints] + apply(inverse, velocity - apply(J, dq[:, joints]))
+        np.testing.assert_allclose(ours[:, joints], expected, rtol=1e-9, atol=1e-9)
 
 
 def assert_closed(cell, motion, tolerance=1e-9):

@@ -91,11 +91,7 @@ def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
     R = left.T_object_tip.R.round()
     np.testing.assert_allclose(R, left.T_object_tip.R, atol=1e-12)
     turned = [np.concatenate([R.T @ part for part in np.split(side, 2)]) for side in (lower, upper)]
-    sides = {
-        "object": (lower, upper),
-        "base": (lower, upper),
-        "tip": (np.minimum(*turned), np.maximum(*turned)),
-    }
+    sides = {"object": (lower, upper), "base": (lower, upper), "tip": (np.minimum(*turned), np.maximum(*turned))}
     found = {}
     for frame, (least, most) in sides.items():
         own = (box_contact(lower=least.tolist(), upper=most.tolist(), frame=frame),)

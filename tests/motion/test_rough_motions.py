@@ -35,8 +35,7 @@ def test_joint_tables_of_few_digits_and_rows(tmp_path, dual_ur5, exact, name, sa
 
 @pytest.mark.parametrize(("name", "samples"), [("lift", 101), ("turn", 11)])
 @pytest.mark.parametrize(
-    ("rates", "form", "tolerance"),
-    [(True, ".5g", 1e-4), (False, ".8g", 1e-3), (False, ".4f", 2e-2)],
+    ("rates", "form", "tolerance"), [(True, ".5g", 1e-4), (False, ".8g", 1e-3), (False, ".4f", 2e-2)]
 )
 def test_object_tables_of_few_digits_and_rows(tmp_path, dual_ur5, exact, name, samples, rates, form, tolerance):
     followed, c2 = exact[name, samples]

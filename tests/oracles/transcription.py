@@ -63,11 +63,7 @@ def transcribed(cell, motion, guess=None):
     solver = ca.nlpsol(
         "transcription",
         "ipopt",
-        {
-            "x": ca.vertcat(*variables),
-            "f": ca.sum1(2 * ca.DM(step) / (y[:-1] + y[1:])),
-            "g": ca.vertcat(*g),
-        },
+        {"x": ca.vertcat(*variables), "f": ca.sum1(2 * ca.DM(step) / (y[:-1] + y[1:])), "g": ca.vertcat(*g)},
         {
             "ipopt.print_level": 0,
             "print_time": False,

@@ -37,16 +37,7 @@ OTHERS = {
 }
 """Results beside those that people look at."""
 
-LOOKED_AT = (
-    "planar",
-    "infeasible",
-    "empty",
-    "unbounded",
-    "guaranteed",
-    "possible",
-    "sliding joints",
-    "what if",
-)
+LOOKED_AT = ("planar", "infeasible", "empty", "unbounded", "guaranteed", "possible", "sliding joints", "what if")
 
 
 @pytest.mark.parametrize("kind", [*LOOKED_AT, *OTHERS])

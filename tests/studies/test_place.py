@@ -161,11 +161,7 @@ TURNED_PLANAR = {
     "robots.right.base.xyz[1]": {"from": -0.2, "to": 0.2},
     "robots.right.grasp.xyz[1]": {"from": -0.1, "to": 0.1},
 }
-MOTORS = {
-    "armature": 0.5,
-    "friction": {"coulomb": 2.0, "viscous": 3.0},
-    "torque_speed": [[0, 160], [1, 160], [5, 30]],
-}
+MOTORS = {"armature": 0.5, "friction": {"coulomb": 2.0, "viscous": 3.0}, "torque_speed": [[0, 160], [1, 160], [5, 30]]}
 
 CASES = {
     "dual": {"cell": "dual_ur5"},
