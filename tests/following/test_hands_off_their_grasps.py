@@ -1,4 +1,4 @@
-"""Joints whose hands are a little off their grasps: moved onto them within a bound, or refused; how far, in one call."""
+"""Joints whose hands are a little off their grasps: moved onto them within a bound, or refused; how far in one call."""
 
 import numpy as np
 import pytest

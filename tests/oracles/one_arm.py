@@ -25,13 +25,8 @@ def one_arm(seed, folder):
         frame.parentJoint, pin.Inertia(cell.mass, np.zeros(3), cell.inertia), frame.placement * tip_object
     )
     strong = rng.uniform(150, 400, 6)
-    robot = replace(
-        robot,
-        torque_lower=-strong,
-        torque_upper=strong,
-        position_lower=np.full(6, -10.0),
-        position_upper=np.full(6, 10.0),
-    )
+    wide = {"position_lower": np.full(6, -10.0), "position_upper": np.full(6, 10.0)}
+    robot = replace(robot, torque_lower=-strong, torque_upper=strong, **wide)
     path = toppra.SplineInterpolator(np.linspace(0, 1, 5), robot.posture + rng.uniform(-0.8, 0.8, (5, 6)))
     return replace(cell, robots=(robot,)), model, path
 

@@ -95,17 +95,8 @@ class ReferenceCell:
             ]
         )
         torque = np.array(robot.get("torque", model.effortLimit), dtype=float)
-        frame = model.getFrameId(robot["tip_link"])
-        return Arm(
-            model,
-            model.createData(),
-            frame,
-            base,
-            grasp,
-            np.array(robot["posture"]),
-            np.array([-torque, torque]),
-            wrench,
-        )
+        frame, posture = model.getFrameId(robot["tip_link"]), np.array(robot["posture"])
+        return Arm(model, model.createData(), frame, base, grasp, posture, np.array([-torque, torque]), wrench)
 
     def object_motion(self, path: Path):
         motion = yaml.safe_load(Path(path).read_text())

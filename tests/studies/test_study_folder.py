@@ -50,12 +50,8 @@ def test_rows_come_back_in_order_with_their_types_and_units(complete, study):
     assert table.schema.field("duration").metadata == {b"unit": b"s"}
     assert {str(field.type) for field in table.schema} == {"int64", "double", "string"}
     heavy = table.to_pylist()[8]
-    assert (heavy["object.mass"], heavy["status"], heavy["c2_upper"], heavy["upper_limit"]) == (
-        24,
-        "infeasible",
-        None,
-        None,
-    )
+    said = [heavy[name] for name in ("object.mass", "status", "c2_upper", "upper_limit")]
+    assert said == [24, "infeasible", None, None]
     assert "these limits conflict" in heavy["reason"]
     assert table["reason"].to_pylist()[:8] == [None] * 8
     assert found.table(["status"]).column_names == ["status"]

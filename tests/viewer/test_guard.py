@@ -26,14 +26,8 @@ from mrts.viewer.server import LARGEST_MESSAGE, names_this_machine, open_server
 
 PROTOCOL = [f"viser-v{viser.__version__}"]
 
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": [1, 0, 0, 0],
-    "position": [0, 0, 1.5],
-    "fov": 1,
-    "near": 0.1,
-    "far": 9.0,
-}
+CAMERA = {"type": "ViewerCameraMessage", "wxyz": [1, 0, 0, 0], "position": [0, 0, 1.5]}
+CAMERA |= {"fov": 1, "near": 0.1, "far": 9.0}
 CAMERA |= {"image_height": 700, "image_width": 1200, "look_at": [0, 0, 0], "up_direction": [0, 0, 1]}
 
 pack = msgspec.msgpack.encode

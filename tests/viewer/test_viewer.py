@@ -227,7 +227,7 @@ def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spat
 def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
     other = {"gone": "package://nowhere/forearm.dae", "broken": "broken.dae", "http": "http://127.0.0.1:9/x.dae"}[spoil]
     (tmp_path / "broken.dae").write_text("<not a mesh")
-    path = cell_of_real_arms(tmp_path, forearm=other)
+    path = cell_of_real_arms(tmp_path, other)
     warnings = []
     given = Given(mrts.load_cell(path), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     with shown_viewer(given, urdfs=urdf_files(path), warn=warnings.append) as viewer:

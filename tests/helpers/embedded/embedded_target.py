@@ -19,16 +19,8 @@ def missing_tools():
 def cross_compile(library: Path, main: Path, image: Path, *defines: str, flags=("-O2",)) -> Path:
     """Link a main program with an exported library into an image for the board."""
     sources = [FOLDER / "startup.c", main, *sorted((library / "src").glob("*.c"))]
-    command = [
-        shutil.which("arm-none-eabi-gcc"),
-        *CPU,
-        *flags,
-        "-std=c99",
-        "-ffp-contract=off",
-        "-fno-common",
-        *defines,
-    ]
-    command += [f"-I{library / 'include'}", f"-I{library / 'tests'}", "-nostartfiles", "--specs=rdimon.specs"]
+    command = [shutil.which("arm-none-eabi-gcc"), *CPU, *flags, "-std=c99", "-ffp-contract=off", "-fno-common"]
+    command += [*defines, f"-I{library / 'include'}", f"-I{library / 'tests'}", "-nostartfiles", "--specs=rdimon.specs"]
     command += ["-Wl,-T", str(FOLDER / "mps2.ld"), *map(str, sources), "-lm", "-o", str(image)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-3000:]

@@ -55,15 +55,12 @@ def planar_given(cell):
     return Given(cell, mrts.load_motion(DATA / "lift.yaml"), described_motion(DATA / "lift.yaml"))
 
 
-def news_of(bench, *, until=lambda _one: False):
-    """All that is taken until there is nothing left to do, or until one that is waited for."""
+def news_of(bench):
+    """All that is taken until there is nothing left to do."""
     end, taken = time.monotonic() + PATIENCE, []
     while True:
         waits = bench.waits
-        for one in bench.take():
-            taken.append(one)
-            if until(one):
-                return taken
+        taken += bench.take()
         if not waits:
             return taken
         assert time.monotonic() < end
@@ -76,16 +73,12 @@ def answered(bench):
     return bench.answer
 
 
-def cell_of_real_arms(folder, *, mass=8.0, forearm=None):
-    """The shipped cell of two UR5-class arms with the manufacturer's arms, and perhaps another mesh of the forearm."""
+def cell_of_real_arms(folder, forearm):
+    """The shipped cell of two UR5-class arms with the manufacturer's arms, but another mesh of the forearm."""
     text = (ROBOTS / "ur_description" / "urdf" / "ur5_robot.urdf").read_text()
-    if forearm is not None:
-        mesh = "package://example-robot-data/robots/ur_description/meshes/ur5/visual/forearm.dae"
-        assert mesh in text
-        text = text.replace(mesh, forearm)
+    mesh = "package://example-robot-data/robots/ur_description/meshes/ur5/visual/forearm.dae"
+    assert mesh in text
+    text = text.replace(mesh, forearm)
     (folder / "arm.urdf").write_text(text.replace("package://example-robot-data", f"file://{ROBOTS.parent}"))
     cell = shipped("dual_ur5")
-    cell["object"]["mass"] = mass
-    for robot in cell["robots"]:
-        robot["urdf"] = str(folder / "arm.urdf")
-    return cell_file(folder, cell)
+    return cell_file(folder, cell | {"robots": [robot | {"urdf": "arm.urdf"} for robot in cell["robots"]]})
