@@ -144,7 +144,7 @@ def _saved(path: Path) -> "PlayerState":
         possible = "what some load admits chooses no c² and no torques"
         why = possible if found.status.admits_motion else found.status.value
         raise InputError(path, f"has no motion to play: {why}.")
-    return PlayerState.saved(result, None if isinstance(found, ScalingResult) else found)
+    return PlayerState.saved(found)
 
 
 def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
@@ -179,10 +179,8 @@ def _side_clip(
     if side == "given":
         state = state.at_speed(1.0)
         title = "as given" if state.admissible else "as given: beyond its limits"
-    elif state.refusal:
-        raise InputError("side_by_side", f"there is no such timing: {state.refusal}", value=side)
-    elif not state.admissible:
-        raise InputError("side_by_side", f"no speed is admissible: {state.result.sentence()}", value=side)
+    elif not (state.found.status.admits_motion and state.admissible):
+        raise InputError("side_by_side", f"there is no such motion: {state.found.sentence()}", value=side)
     else:
         titles = {"fastest": f"constant factor {state.trajectory.c:.3g}", "optimal": "fastest timing"}
         title = titles.get(side, "smooth timing")
@@ -202,10 +200,8 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
 
     if motion is None:
         from mrts.cell.cell import cell_to_compile
-        from mrts.viewer.player_state import still_motion
 
-        alone = cell_to_compile(cell) or options.compiled_cell(cell)
-        return Given(cell=alone, motion=still_motion(alone), stands=True)
+        return Given(cell_to_compile(cell) or options.compiled_cell(cell), None)
     from mrts.motion.motion_file import described_motion, load_motion
 
     played, limited = load_motion(motion), options.compiled_cell(cell, **take(given, options.LIMITS))
@@ -225,7 +221,7 @@ def _serve(source: "Given | PlayerState", urdfs: "Urdfs", host: str, port: int, 
         if isinstance(source, PlayerState):
             bench = source
         else:
-            with working("looking at the cell" if source.stands else f"scaling {name}") as progress:
+            with working("looking at the cell" if source.motion is None else f"scaling {name}") as progress:
                 bench = Workbench(source, progress)
         viewer = Viewer(server, bench, urdfs, warn)
         first = viewer.shown

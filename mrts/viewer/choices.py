@@ -32,17 +32,15 @@ class Given:
 
     Attributes:
         cell: The cell.
-        motion: Its motion.
+        motion: Its motion; None looks at the cell, which stands with the object in the first arm's hand.
         description: Of a motion from pose to pose or through waypoints, whose ends can be moved; None of a table.
         asked: Options of `mrts.scale`.
-        stands: Whether no motion was given: the cell is looked at, with `still_motion`.
     """
 
     cell: Cell
-    motion: ObjectMotion | JointTable
+    motion: ObjectMotion | JointTable | None
     description: MotionDescription | None = None
     asked: Mapping[str, Any] = field(default_factory=dict)
-    stands: bool = False
 
 
 @dataclass(frozen=True)
@@ -114,8 +112,8 @@ class Choices:
                 values[f"robots.{place.robot}.grasp"] = pose
         return cell.with_values(values)
 
-    def motion(self, given: Given) -> ObjectMotion | JointTable:
-        """The motion as it was chosen.
+    def motion(self, given: Given) -> ObjectMotion | JointTable | None:
+        """The motion as it was chosen, if there is one.
 
         Raises:
             InputError: If two waypoints became the same.

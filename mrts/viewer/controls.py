@@ -65,7 +65,7 @@ class ChangeControls:
         self._place: Place | None = None
         self._bound: list[BoundControl] = []
         self._gui.add_button("Reset all changes").on_click(lambda _: later(self._reset))
-        with self._gui.add_folder("Timing", visible=not bench.given.stands):
+        with self._gui.add_folder("Timing", visible=bench.given.motion is not None):
             self._add_timing()
         with self._gui.add_folder("Load"):
             self._add_load()

@@ -43,9 +43,8 @@ def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -
 
 def outcome_html(state: PlayerState) -> str:
     """The answer in a line; red, with the reason, where no speed is admissible."""
-    result = state.result
-    admits = result.status.admits_motion and not state.refusal
-    text = f"<b>{html_text(state.card.outcome)}</b>" if admits else html_text(state.sentence())
+    result, admits = state.result, state.found.status.admits_motion
+    text = f"<b>{html_text(state.card.outcome)}</b>" if admits else html_text(state.found.sentence())
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     text += "".join(f"<br>{html_text(str(remark))}" for remark in result.warnings)

@@ -104,24 +104,31 @@ class PlayerState:
     """A motion at a chosen speed, admissible or not.
 
     Attributes:
-        result: The range, or of a timing what is played, whose c² = 1 is the timing itself.
+        found: The answer for the constant profile, or the timing that was asked for, or why there is none.
         trajectory: At the chosen speed; where limits do not admit it, that of `widened_torques`.
         speeds: The speeds on offer.
-        timing: The timing that was found; None of the constant profile, and where there is none.
-        refusal: Why there is no timing though one was asked for, in a sentence; empty if there is one.
     """
 
-    result: ScalingResult
+    found: ScalingResult | RetimingResult
     trajectory: ScaledTrajectory
     speeds: Speeds
-    timing: RetimingResult | None = None
-    refusal: str = ""
 
     @classmethod
-    def saved(cls, result: ScalingResult, timing: RetimingResult | None = None) -> "PlayerState":
+    def saved(cls, found: ScalingResult | RetimingResult) -> "PlayerState":
         """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
-        done = result.done
-        return cls(result, done, Speeds([], done.c, done.c, 0, done.c), timing=timing)
+        done = played_result(found).done
+        return cls(found, done, Speeds([], done.c, done.c, 0, done.c))
+
+    @property
+    def timing(self) -> RetimingResult | None:
+        """The timing that was found; None of the constant profile, and where there is none."""
+        found = self.found
+        return found if isinstance(found, RetimingResult) and found.retimed is not None else None
+
+    @property
+    def result(self) -> ScalingResult:
+        """As of `played_result`."""
+        return played_result(self.found)
 
     def at_speed(self, c: float) -> "PlayerState":
         """The same outcome played at another speed, a factor > 0: one within half a step of an end is that end.
@@ -165,10 +172,6 @@ class PlayerState:
         """The answer in one line, and the limits that are nearest; where no speed is admissible, why."""
         return answer_card(self.plan)
 
-    def sentence(self) -> str:
-        """The outcome in a sentence."""
-        return self.refusal or (self.timing or self.result).sentence()
-
     @property
     def admissible(self) -> bool:
         """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
@@ -187,25 +190,26 @@ def play(
     Raises:
         MrtsError: As `mrts.scale`; an infeasible motion is no error.
     """
-    timing, refusal = None, ""
+    found: ScalingResult | RetimingResult
     if profile == "constant":
         try:
-            result = scale(cell, motion, **asked)
+            found = scale(cell, motion, **asked)
         except SelectionError as error:  # it can only hold still, or c = 1 is too slow where nothing is too fast
             if error.result is None:
                 raise
-            result = error.result
+            found = error.result
     else:
         found = retime(cell, motion, rates=rates if profile == "smooth" else False, **asked)
-        result = found.retimed or found.factor
-        if found.retimed is None:
-            refusal = found.sentence()
-        else:
-            timing = found
-            found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
-    speeds = OF_TIMINGS if timing is not None else offered_speeds(result.range)
-    trajectory = _trajectory(result, speeds.c2(speeds.start))
-    return PlayerState(result, trajectory, speeds, timing, refusal)
+        found.factor  # noqa: B018 (found here, not by whoever shows it)
+    result = played_result(found)
+    result.range.samples  # noqa: B018 (likewise)
+    speeds = OF_TIMINGS if result.origin else offered_speeds(result.range)
+    return PlayerState(found, _trajectory(result, speeds.c2(speeds.start)), speeds)
+
+
+def played_result(found: ScalingResult | RetimingResult) -> ScalingResult:
+    """The range, or of a timing what is played, whose c² = 1 is the timing itself."""
+    return found if isinstance(found, ScalingResult) else found.retimed or found.factor
 
 
 def _admits(result: ScalingResult, c2: float) -> bool:

@@ -17,7 +17,7 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.simulation.simulate import Simulation, simulate
 from mrts.viewer.choices import Choices, Given
-from mrts.viewer.player_state import HeldPoses, PlayerState, held_poses, play
+from mrts.viewer.player_state import HeldPoses, PlayerState, held_poses, play, still_motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +56,8 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
     motion: ObjectMotion | JointTable | None = None
     try:
         cell, motion = choices.cell(given), choices.motion(given)
-        if given.stands and isinstance(motion, ObjectMotion):
-            return Answer(choices, held_poses(cell, motion))
+        if motion is None:
+            return Answer(choices, held_poses(cell, still_motion(cell)))
         profile, rates = choices.profile, choices.torque_rate
         state = play(cell, motion, profile=profile, rates=rates, progress=progress, **given.asked)
     except MrtsError as error:

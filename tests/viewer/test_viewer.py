@@ -22,7 +22,7 @@ from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene.scene import PACES, blended
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
-from mrts.viewer.player_state import PlayerState, still_motion
+from mrts.viewer.player_state import PlayerState
 from mrts.viewer.time_plots import names_html, time_panels, uplot_props
 from mrts.viewer.viewer import FRAME, Viewer
 
@@ -159,7 +159,7 @@ def test_it_opens_at_the_moment_that_decides(spatial):
 
 
 def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatch, capsys):
-    with shown_viewer(Given(planar_cell, still_motion(planar_cell), stands=True)) as viewer:
+    with shown_viewer(Given(planar_cell, None)) as viewer:
         assert not any(viewer.controls[name].visible for name in ("speed c", "time [s]", "Play"))
         viewer.bench.edit(viewer.bench.choices.with_offset(Place("base", "left"), np.array([0.0, -3.0, 0, 0, 0, 0])))
         settle(viewer.shown)

@@ -19,7 +19,6 @@ from mrts.scaling.limit_use import limited_rows
 from mrts.viewer import workbench
 from mrts.viewer.choices import Choices, Given, Place, changed_keys, places
 from mrts.viewer.panel import held_html
-from mrts.viewer.player_state import still_motion
 from mrts.viewer.time_plots import time_panels
 from mrts.viewer.workbench import Workbench, find_answer
 
@@ -153,7 +152,7 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
 
 
 def test_a_cell_without_a_motion_stands_at_its_posture_and_follows_its_places(planar_cell):
-    bench = Workbench(Given(planar_cell, still_motion(planar_cell), stands=True))
+    bench = Workbench(Given(planar_cell, None))
     held, robot = bench.answer.shown, planar_cell.robots[0]
     assert held.reached.all()
     np.testing.assert_allclose(held.scene.q[0, :3], robot.posture, atol=1e-6)
