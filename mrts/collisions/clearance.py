@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, Progress, Remark, check_type, require_extra
+from mrts.base.formats.record import dumped
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
@@ -95,14 +96,8 @@ class Clearance:
 
     def to_json(self) -> dict[str, Any]:
         """Distance, pair, time, points, and what was not looked at, as values of JSON."""
-        return {
-            "distance": self.distance if self.pair else None,
-            "pair": self.pair and list(self.pair),
-            "time": self.time,
-            "points": None if self.points is None else self.points.tolist(),
-            "unseen": list(self.unseen),
-            "left_out": [list(pair) for pair in self.left_out],
-        }
+        found = dumped(self) | {"distance": self.distance if self.pair else None}
+        return {name: value for name, value in found.items() if name != "distances"}
 
 
 def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> Clearance:

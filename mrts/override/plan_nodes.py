@@ -23,13 +23,13 @@ from mrts.kernel.binding import INFINITY
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.infeasibility import least_widening
-from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
+from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.timing.result import RetimingResult
@@ -73,10 +73,8 @@ class Plan:
         cell: The cell with the limits as they are given, whatever reserve the plan kept.
         motion: At n nodes; its time is s, twice the same where the acceleration jumps.
         wrench: Planned contact wrenches in base axes, Shape (n, n w); None where they jump with the acceleration.
-        sharing: A fixed distribution of the load.
+        options: What was asked of it.
         loads: Load vectors that it carries, each Shape (10,).
-        weights: W of the torques that are chosen, Shape (m, m).
-        keeps_reserve: Whether they keep most of every limit free.
         most: Largest x, 1 unless it may be played faster, Shape (n,).
         has_speed_terms: Whether a row has a term in ṡ beside others.
     """
@@ -84,10 +82,8 @@ class Plan:
     cell: Cell
     motion: CoordinatedMotion
     wrench: Array | None
-    sharing: LoadSharing | None
+    options: Options
     loads: tuple[Array, ...]
-    weights: Array
-    keeps_reserve: bool
     most: Array
     has_speed_terms: bool
 
@@ -161,14 +157,13 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
         InputError: If it has none, or one that does not start and end at rest.
     """
     timed, done = result if isinstance(result, RetimingResult) else None, resting_trajectory(result, "result")
-    sharing = result.options.sharing
-    if sharing is not None and sharing.varies:
+    cell, options = result.cell.with_reserve(0.0), result.options
+    if options.sharing is not None and options.sharing.varies:
         raise InputError(
             "result", "has an internal wrench of each sample: between them none is known. Give one for all."
         )
     jumps = timed.pieces if timed and timed.smooth is None else ()
     motion = _both_sides(jumps) if jumps else done.played
-    cell, options = result.cell.with_reserve(0.0), result.options
     varies = cell.load_box is not None and options.load == "guaranteed"
     loads = tuple(point.load for point in cell.load_box.corners()) if varies and cell.load_box else (cell.load,)
     loads = timed.loads if timed else loads
@@ -176,17 +171,7 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
     if fastest > 1:
         upper = [motion_ranges(rows, DEFAULT_SOLVER, load, fastest**2).upper for load in loads]
         most = np.maximum(np.minimum(most, HARDEST * np.min(upper, axis=0)), 1.0)
-    return Plan(
-        cell,
-        motion,
-        None if jumps else done.wrench,
-        options.sharing,
-        loads,
-        torque_weights(options.weights, cell),
-        options.distribute == "reserve",
-        most,
-        rows.has_speed_terms,
-    )
+    return Plan(cell, motion, None if jumps else done.wrench, options, loads, most, rows.has_speed_terms)
 
 
 def _both_sides(pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
@@ -308,7 +293,7 @@ def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
         SolverError: If no solver answers.
     """
     cell, motion, count = plan.cell, plan.motion, plan.motion.samples
-    rows = motion_rows(cell, motion, plan.sharing)
+    rows = motion_rows(cell, motion, plan.options.sharing)
     dry = (
         np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.rows.torque_matrix.T / rows.given.units
     )
@@ -363,7 +348,8 @@ def _with_standing(plan: Plan, limits: _Limits, margin: Array) -> _Limits:
             f"{row} passes its limit by {100 * most:.1f} %.",
         )
     wider = replace(limits, passed=passed)
-    used = [_wrench(plan, wider, end, none, reserve=end == AT_REST or plan.keeps_reserve) for end in (AT_REST, AT_MOST)]
+    keeps = plan.options.distribute == "reserve"
+    used = [_wrench(plan, wider, end, none, reserve=end == AT_REST or keeps) for end in (AT_REST, AT_MOST)]
     return replace(wider, used=(used[AT_REST], used[AT_MOST]), margin=margin)
 
 
@@ -429,5 +415,6 @@ def _wrench(plan: Plan, limits: _Limits, end: int, u: Array, *, reserve: bool = 
     )
     if reserve:
         alone = reserved(alone, 0.0, DEFAULT_SOLVER)
-    found[moving] = alone.wrench(distribute_torques(alone, 0.0, plan.weights, DEFAULT_SOLVER))
+    weights = torque_weights(plan.options.weights, plan.cell)
+    found[moving] = alone.wrench(distribute_torques(alone, 0.0, weights, DEFAULT_SOLVER))
     return found

@@ -194,7 +194,7 @@ class PlayedTables:
         moving = motion_of(cell, states)
         way = np.sign(self.nodes["q"][segment + 1] - self.nodes["q"][segment])
         motion = unchecked_coordinated_motion(moving.object, moving.q, moving.dq, moving.ddq, np.stack([way, way]))
-        rows = motion_rows(cell, motion, self.plan.sharing)
+        rows = motion_rows(cell, motion, self.plan.options.sharing)
         for load in others:
             yield motion_widening(rows, np.ones(len(segment)), load)
 

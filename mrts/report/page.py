@@ -52,21 +52,16 @@ def report_html(result: ScalingResult | RetimingResult | Simulation | StudyTable
     timing = result if isinstance(result, RetimingResult) else None
     shown = result if isinstance(result, ScalingResult) else result.retimed or result.constant
     scene = player(shown, None if timing is None or timing.retimed is None else phase_plane.played_way(timing))
-    status = shown.status.value
-    if timing is not None:
-        status = "feasible" if timing.status.admits_motion else "infeasible"
     return document(
         "result.html",
         f"{shown.cell.name}: {result.status.value}",
         {"player": scene},
         result=shown,
         timing=timing,
-        done=shown.trajectory,
-        status=status,
+        status=result.status,
         card=answer_card(result),
         sentences=_sentences(timing, shown),
-        notes=[warning.text for warning in shown.warnings],
-        limits=(timing if timing is not None and timing.retimed else shown).limits_table(),
+        warnings=shown.warnings,
         player=scene,
         paces=PACES,
         tables=tables,

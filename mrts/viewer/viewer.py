@@ -16,21 +16,9 @@ import viser
 
 from mrts.base.errors import MrtsError
 from mrts.scene.arm_meshes import Urdfs, Warn
+from mrts.viewer import panel
 from mrts.viewer.choices import Choices
 from mrts.viewer.controls import ChangeControls, Later, set_slider
-from mrts.viewer.panel import (
-    PANEL,
-    STYLE,
-    arrows_html,
-    collisions_html,
-    held_html,
-    nearest_html,
-    outcome_html,
-    simulation_html,
-    speed_html,
-    text_html,
-    verdict_html,
-)
 from mrts.viewer.playback import Playback
 from mrts.viewer.player_state import HeldPoses, PlayerState
 from mrts.viewer.scene import ViewerScene
@@ -62,11 +50,11 @@ class Viewer:
         later, gui = self._todo.put, server.gui
         self._scene = ViewerScene(server, answer.shown.scene, urdfs, warn)
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(PANEL)
-        gui.add_html(STYLE)
+        gui.main_panel.set_width(panel.PANEL)
+        gui.add_html(panel.STYLE)
         self._verdict, self._outcome, self._error = gui.add_html(""), "", ""
         if self.bench is None:
-            gui.add_html(text_html("note", FIXED))
+            gui.add_html(panel.text_html("note", FIXED))
         else:
             self._speed = gui.add_slider("speed c", 0.0, 1.0, 1.0, 0.0, hint="× as fast as given", visible=not stands)
             self._shown_speed = self._speed.value
@@ -125,7 +113,7 @@ class Viewer:
             if another:
                 self.server.flush()  # viser waits up to twice a sixtieth of a second for more to send
         except MrtsError as error:
-            self._error = text_html("error", str(error))
+            self._error = panel.text_html("error", str(error))
         self._show_verdict()
 
     def close(self) -> None:
@@ -159,12 +147,12 @@ class Viewer:
         computing = outdated = False
         if (bench := self.bench) is not None:
             computing, outdated = bench.is_asked, self._answer.choices is not bench.choices
-        self._verdict.content = verdict_html(self._outcome, self._error, computing=computing, outdated=outdated)
+        self._verdict.content = panel.verdict_html(self._outcome, self._error, computing=computing, outdated=outdated)
 
     def _show_answer(self, answer: Answer) -> None:
         before, state, shown = self._answer.state, answer.state, answer.shown
         if isinstance(shown, MrtsError):
-            self._error = text_html("error", str(shown))
+            self._error = panel.text_html("error", str(shown))
             return  # what was shown before stays
         others = answer is self._answer or state is None or before is None or state.result is not before.result
         self._answer, self.shown, self._error = answer, shown, ""
@@ -175,15 +163,16 @@ class Viewer:
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             if state is not None:
-                self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
+                told = panel.outcome_html(state), panel.simulation_html(answer.simulation)
+                self._outcome = "".join([*told, panel.collisions_html(near, said)])
             elif isinstance(shown, HeldPoses):
-                self._outcome = held_html(shown)
+                self._outcome = panel.held_html(shown)
             self._show_verdict()
-            self._speed_text.content = speed_html(state)
+            self._speed_text.content = panel.speed_html(state)
             if self.plots is not None:
                 scene = self._scene
-                self._nearest.content = "" if state is None else nearest_html(state.card)
-                self._arrows.content = arrows_html(scene.metres_per_newton, scene.metres_per_newton_metre)
+                self._nearest.content = "" if state is None else panel.nearest_html(state.card)
+                self._arrows.content = panel.arrows_html(scene.metres_per_newton, scene.metres_per_newton_metre)
                 self.plots.show(answer)
             self._show_moment()
         if self._changes is not None:
