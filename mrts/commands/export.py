@@ -52,8 +52,7 @@ def run(
     from mrts.cell.generation import export_to
     from mrts.following.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
-    from mrts.output.embedded_limits import embedded_limits
-    from mrts.output.embedded_test_vectors import make_vectors, own_motion
+    from mrts.output.embedded_tables import embedded_limits, make_vectors, own_motion
     from mrts.override.speed_override import SpeedOverride
 
     if is_folder(cell):

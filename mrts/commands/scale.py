@@ -144,7 +144,7 @@ def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **give
 def _words(
     found: "ScalingResult | RetimingResult", card: "Card | None", search: "ReserveSearch | None", *, brief: bool
 ) -> list[str]:
-    from mrts.output.summary_lines import answer_lines
+    from mrts.plots.card import answer_lines
 
     if brief and card is not None:
         for warning in found.warnings:

@@ -28,16 +28,12 @@ def played_rows(done: ScaledTrajectory) -> dict[str, Array]:
     held = done.holding
     if held is None or not any(held.ends):
         return rows
-    before, after = (slice(int(end)) for end in held.ends)
+    before, after = map(int, held.ends)
     step = holding_step(done.time) if held.rate is None else 1 / held.rate
-    rows["t"] = done.time + step * held.ends[0]
-    ends = {name: (np.zeros_like(values[:1]), np.zeros_like(values[:1])) for name, values in rows.items()}
-    ends["t"] = np.zeros(1), rows["t"][-1:] + step
-    ends |= {"q": (done.q[:1], done.q[-1:]), "tau": (held.torque[:1], held.torque[1:])}
-    ends["F"] = held.wrench[:1], held.wrench[1:]
-    played = {
-        name: np.concatenate([ends[name][0][before], values, ends[name][1][after]]) for name, values in rows.items()
-    }
+    rows["t"] = done.time + step * before
+    ends = {name: np.zeros((2, *values.shape[1:])) for name, values in rows.items()}
+    ends |= {"t": np.array([0.0, rows["t"][-1] + step]), "q": done.q[[0, -1]], "tau": held.torque, "F": held.wrench}
+    played = {name: np.concatenate([ends[name][:before], of, ends[name][2 - after :]]) for name, of in rows.items()}
     return played if held.rate is None else played | {"t": np.arange(len(played["t"])) / held.rate}
 
 

@@ -18,7 +18,7 @@ from shipped_cells import changed_cell
 import mrts
 from mrts.cell.generation import export_to
 from mrts.cli import main
-from mrts.output.embedded_limits import embedded_limits
+from mrts.output.embedded_tables import embedded_limits
 
 CELLS = ("dual_ur5", "with_motors")
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]

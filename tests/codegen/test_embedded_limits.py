@@ -15,8 +15,7 @@ from mrts.cell.generation import export_to
 from mrts.cli import main
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName
-from mrts.output.embedded_limits import embedded_limits
-from mrts.output.embedded_test_vectors import make_vectors
+from mrts.output.embedded_tables import embedded_limits, make_vectors
 
 LIFT = DATA / "lift.yaml"
 

@@ -12,7 +12,7 @@ import mrts
 from mrts.cell.motors import JointMotors
 from mrts.limits.cell_limits import motor_limits
 from mrts.limits.rows import LimitRows
-from mrts.output.embedded_limits import embedded_limits
+from mrts.output.embedded_tables import embedded_limits
 from mrts.program.motion_rows import binds, motion_rows
 
 CURVE = np.array([[0.0, 90.0], [2.0, 90.0], [4.0, 60.0], [5.0, 10.0]])

@@ -16,9 +16,8 @@ from shown_results import result_of, with_changes
 
 import mrts
 from mrts.limits.cell_limits import torque_limits
-from mrts.output.summary_lines import answer_lines
 from mrts.output.trajectory_table import played_rows
-from mrts.plots.card import answer_card
+from mrts.plots.card import answer_card, answer_lines
 from mrts.report import report_html
 
 OTHERS = {

@@ -10,9 +10,8 @@ from random_motors import equipped
 
 import mrts
 from mrts.limits.rows import TORQUE_SPEED
-from mrts.output.summary_lines import answer_lines
 from mrts.plots import result_plots, write_plots
-from mrts.plots.card import MOST_BARS, answer_card
+from mrts.plots.card import MOST_BARS, answer_card, answer_lines
 from mrts.plots.plot import value_ends
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
 from mrts.plots.trajectory_plots import limit_shares
