@@ -77,7 +77,7 @@ def row(cell: str, profile: str, result: mrts.ScalingResult | mrts.RetimingResul
         wanted = wanted_at_ticks(given, override.duration, TICK)
         states = override.play(wanted, state=override.start(0.0, min(wanted[0], 1.0)))
         ticks, scaled = int(np.argmax(states["finished"])) + 1, speed_scaling(shown.trajectory, wanted, TICK)
-        shares = np.max(override.excess(states[:ticks]), initial=0.0), np.max(scaled)
+        shares = np.max(override.tables.excess(states[:ticks]), initial=0.0), np.max(scaled)
         told.append(" / ".join(f"{100 * share:.{0 if share > 1 else 2}f} %" for share in shares))
         later.append(TICK * (ticks - len(scaled)))
     return " | ".join((cell, profile, *told, f"{1e3 * max(later):.0f} ms"))

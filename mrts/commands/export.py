@@ -69,7 +69,7 @@ def run(
     limits = embedded_limits(compiled)
     along = own_motion(compiled) if motion is None else coordinate(compiled, load_motion(motion), closure)
     vectors = make_vectors(compiled, along)
-    tables = None if played is None else played.tables
+    tables = None if played is None else played.tables.embedded
     with working(f"writing {output}"):
         written = export_to(
             cell, output, limits=limits, vectors=vectors, path_samples=along.samples, plan=tables, **given

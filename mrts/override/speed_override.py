@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError, as_array, as_path, check_type, is_number, printable
-from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.csv_motion import read_columns, row_times
 from mrts.motion.rows_at_rest import pushing_ends
@@ -131,6 +129,11 @@ class SpeedOverride:
         rates: Rates of torques, wrenches and accelerations that are kept, as in `mrts.retime`; None keeps none. A plan
             that uses them all leaves none to slow down with: give some more than it was made with.
 
+    Attributes:
+        tables: What limits leave at its nodes, and the C that plays them.
+        cell: With the limits as they are given, whatever reserve the plan kept.
+        duration: Of the plan as planned [s].
+
     Raises:
         InputError: If the result has no such trajectory, the cell cannot stand still somewhere on it, limits are passed
             between its samples, or its accelerations jump, or use too much of the rates, where these are to be kept.
@@ -153,27 +156,7 @@ class SpeedOverride:
         tables = limit_tables(plan_of(result, fastest), backwards=backwards)
         if rates is not None:
             tables = rate_tables(tables, rate_limits(tables.plan.cell, rates))
-        self._tables = tables
-
-    @property
-    def cell(self) -> Cell:
-        """With the limits as they are given, whatever reserve the plan kept."""
-        return self._tables.plan.cell
-
-    @property
-    def tables(self) -> EmbeddedPlan:
-        """As an exported library has them."""
-        return self._tables.embedded
-
-    @property
-    def nodes(self) -> NDArray[Any]:
-        """The tables, Shape (n,)."""
-        return self.tables.nodes
-
-    @property
-    def duration(self) -> float:
-        """Of the plan as planned [s]."""
-        return float(self.nodes["time"][-1])
+        self.tables, self.cell, self.duration = tables, tables.plan.cell, float(tables.nodes["time"][-1])
 
     def start(self, time: float = 0.0, speed: float = 0.0) -> OverrideState:
         """Stand at a place of the plan with a speed.
@@ -181,16 +164,16 @@ class SpeedOverride:
         Raises:
             InputError: If it is no place of the plan, or limits do not admit the speed there.
         """
-        numbers = np.zeros((), self._tables.state)
+        numbers = np.zeros((), self.tables.state)
         for name, value in (("time", time), ("speed", speed)):
             if not is_number(value):
                 raise InputError(name, "must be a finite number.", value=value)
-        status = self._tables.library.cell_override_start(self._tables.c, time, speed, numbers)
+        status = self.tables.library.cell_override_start(self.tables.c, time, speed, numbers)
         if status:
             if status != NOT_ADMITTED:
                 raise InputError("time", f"must be a place of the plan (0 to {self.duration:g} s).", value=time)
-            most = float(np.sqrt(np.interp(time, self.nodes["time"], self.nodes["most"])))
-            known = f"{-most if self.tables.backwards else 0:.4g} to {most:.4g}"
+            most = float(np.sqrt(np.interp(time, self.tables.nodes["time"], self.tables.nodes["most"])))
+            known = f"{-most if self.tables.embedded.backwards else 0:.4g} to {most:.4g}"
             raise InputError("speed", f"limits do not admit that speed there ({known}).", value=speed)
         return self._state(numbers)
 
@@ -209,7 +192,7 @@ class SpeedOverride:
             raise InputError("wanted", "must be a finite number.", value=wanted)
         _check_tick(dt)
         numbers = self._numbers(state).copy()
-        self._tables.library.cell_override_step(self._tables.c, wanted, dt, numbers)
+        self.tables.library.cell_override_step(self.tables.c, wanted, dt, numbers)
         return self._state(numbers)
 
     def play(self, wanted: Array, dt: float = TICK, state: OverrideState | None = None) -> NDArray[Any]:
@@ -224,24 +207,24 @@ class SpeedOverride:
         if given.ndim != 1 or not np.all(np.isfinite(given)):
             raise InputError("wanted", "must have Shape (k,) and be finite.")
         _check_tick(dt)
-        states = np.zeros(len(given), self._tables.state)
-        self._tables.library.mrts_override_play(
-            self._tables.c, len(given), given, dt, self._numbers(state or self.start()), states
+        states = np.zeros(len(given), self.tables.state)
+        self.tables.library.mrts_override_play(
+            self.tables.c, len(given), given, dt, self._numbers(state or self.start()), states
         )
         return states
 
     def stop_time(self, state: OverrideState, dt: float = TICK) -> float:
         """Seconds until the cell stands still if that is wanted from now on [s]."""
         _check_tick(dt)
-        return float(self._tables.stops(self._numbers(state).reshape(1), dt)[0][0])
+        return float(self.tables.stops(self._numbers(state).reshape(1), dt)[0][0])
 
     def speed_for_stop(self, state: OverrideState, seconds: float, dt: float = TICK) -> float:
         """The largest speed here from which the cell stands still within some seconds."""
         _check_tick(dt)
         if not is_number(seconds, 0):
             raise InputError("seconds", "must be a time >= 0 in s.", value=seconds)
-        given = self._tables.c, self._numbers(state), seconds, dt
-        return float(self._tables.library.cell_override_speed_for_stop(*given))
+        given = self.tables.c, self._numbers(state), seconds, dt
+        return float(self.tables.library.cell_override_speed_for_stop(*given))
 
     def stops(self, dt: float = TICK) -> Stops:
         """How soon and how far on all arms stand still wherever they are stopped, from any speed.
@@ -250,8 +233,8 @@ class SpeedOverride:
             dt: Between ticks [s]; the first goes by before braking begins.
         """
         _check_tick(dt)
-        states, nodes = self._tables.starts(), self.nodes
-        seconds, stands = self._tables.stops(states, dt)
+        states, nodes = self.tables.starts(), self.tables.nodes
+        seconds, stands = self.tables.stops(states, dt)
         tips = self.cell.functions("kinematics", len(nodes), {"q": nodes["q"]})["position"]
         way = np.linalg.norm(np.diff(tips.reshape(len(nodes), 3, -1), axis=0), axis=1)
         gone = np.concatenate([np.zeros((1, way.shape[1])), np.cumsum(way, axis=0)])
@@ -264,14 +247,10 @@ class SpeedOverride:
             time=states["time"].reshape(each)[:, 0],
             stop_time=np.max(seconds.reshape(each), axis=1),
             distance=np.max(np.max(ended - begun, axis=0).reshape(each), axis=1),
-            loads=len(self._tables.plan.loads),
-            excess=float(np.max(self._tables.passed)),
-            rates=bool(self.tables.keeps_rates),
+            loads=len(self.tables.plan.loads),
+            excess=float(np.max(self.tables.passed)),
+            rates=bool(self.tables.embedded.keeps_rates),
         )
-
-    def excess(self, states: NDArray[Any]) -> Array:
-        """By how much of itself each state passes a limit, below 0 within all, Shape (k,)."""
-        return self._tables.excess(states)
 
     def resume(self, q: Array, within: float) -> OverrideState:
         """Stand still at the place of the plan nearest to measured joint positions.
@@ -283,24 +262,24 @@ class SpeedOverride:
         Raises:
             InputError: If a joint is farther off.
         """
-        given, numbers = np.ascontiguousarray(as_array("q", q)), np.zeros((), self._tables.state)
+        given, numbers = np.ascontiguousarray(as_array("q", q)), np.zeros((), self.tables.state)
         if given.shape != (len(self.cell.joint_names),):
             raise InputError("q", f"must have Shape ({len(self.cell.joint_names)},).")
         if not is_number(within, 0):
             raise InputError("within", "must be a distance >= 0.", value=within)
-        if self._tables.library.cell_override_resume(self._tables.c, given, within, numbers):
+        if self.tables.library.cell_override_resume(self.tables.c, given, within, numbers):
             raise InputError("q", f"no place of the plan is within {within:g} of it in every joint.")
         return self._state(numbers)
 
     def _numbers(self, state: OverrideState) -> NDArray[Any]:
         check_type("state", state, OverrideState)
-        if state.limits is not self.tables.limits:  # its node may be none of these
+        if state.limits is not self.tables.embedded.limits:  # its node may be none of these
             raise InputError("state", "must come from this override: those of another plan stand elsewhere.")
         return state.numbers
 
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
         *commanded, active, finished = numbers.item()[:AT_A_TICK]  # as `kernel.override_library.state_type` orders them
-        limits = self.tables.limits
+        limits = self.tables.embedded.limits
         values: tuple[Any, ...] = (*commanded, bool(finished), limits[active], numbers, limits)
         return OverrideState(*values)
 
@@ -357,7 +336,7 @@ def commanded(override: SpeedOverride, wanted: Array, dt: float) -> ScaledTrajec
     played = states[: moves[-1] + 3]
     q, dq, ddq, torque, wrench = (np.array(played[name]) for name in ("q", "dq", "ddq", "torque", "wrench"))
     time = dt * np.arange(len(played), dtype=np.float64)
-    ahead = np.sign(np.diff(override.nodes["q"], axis=0))[played["node"]] * played["direction"][:, None]
+    ahead = np.sign(np.diff(override.tables.nodes["q"], axis=0))[played["node"]] * played["direction"][:, None]
     way = np.where(dq != 0, np.sign(dq), ahead)
     carried = carried_by_first(override.cell, time, q, dq, ddq)
     motion, still = replace(carried, travel=np.stack([way, way])), override.start(0.0)

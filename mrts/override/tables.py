@@ -90,6 +90,7 @@ class PlayedTables:
         plan: The plan.
         corners: What limits leave at its nodes.
         embedded: The same as an exported library has it.
+        nodes: Its nodes, Shape (n,).
         library: The C, called with `c`.
         c: `cell_plan` of the exported header.
         state: `cell_override` of the exported header.
@@ -110,7 +111,7 @@ class PlayedTables:
             coulomb=np.concatenate([motor.coulomb for motor in motors]),
             viscous=np.concatenate([motor.viscous for motor in motors]),
         )
-        self._geometry = np.ascontiguousarray(cell.geometry)
+        self.nodes, self._geometry = self.embedded.nodes, np.ascontiguousarray(cell.geometry)
         addresses = {"nodes": self.nodes.ctypes.data, "geometry": self._geometry.ctypes.data, "count": len(self.nodes)}
         self.c, self.state = (
             np.zeros((), override_type("cell_plan", *_sizes(cell))),
@@ -119,11 +120,6 @@ class PlayedTables:
         for name in self.c.dtype.names or ():
             if name != "limits":  # names are looked up here
                 self.c[name] = addresses[name] if name in addresses else getattr(self.embedded, name)
-
-    @property
-    def nodes(self) -> NDArray[Any]:
-        """The tables, Shape (n,)."""
-        return self.embedded.nodes
 
     def of(self, corners: Corners, *, keeps_rates: bool = False) -> "PlayedTables":
         """Other tables of the same plan."""

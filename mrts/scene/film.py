@@ -109,13 +109,9 @@ class Composition:
         """The clips at a time since the start [s]; one that has ended stands at its end."""
         canvas = self._canvas
         canvas.restore_region(self._still)
-        for clip, (axes, cursor, dots, largest) in zip(self._clips, self._plots, strict=True):
-            now = min(time, clip.trajectory.duration)
-            cursor.set_xdata([now, now])
-            heights = [np.interp(now, clip.trajectory.time, values) for values in largest]
-            dots.set_offsets(np.column_stack([np.full(len(heights), now), np.minimum(heights, axes.get_ylim()[1])]))
-            axes.draw_artist(cursor)
-            axes.draw_artist(dots)
+        for clip, cursor in zip(self._clips, self._cursors, strict=True):
+            cursor.set_xdata([min(time, clip.trajectory.duration)] * 2)
+            self._figure.draw_artist(cursor)
         self._clock.set_text(f"t = {min(time, self.duration):.3f} s")
         self._figure.draw_artist(self._clock)
         frame: Frame = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -133,7 +129,7 @@ class Composition:
         titles = {of.kind: of.title.lower() for each in shares for of in each}
         colours = {kind: KIND_COLOURS[place % len(KIND_COLOURS)] for place, kind in enumerate(titles)}
         used = max((float(np.max(of.share, initial=0.0)) for each in shares for of in each), default=1.0)
-        self._plots = []
+        self._cursors = []
         for number, (clip, each) in enumerate(zip(self._clips, shares, strict=True)):
             self._put_heading(number, clip)
             left = number * self._width + LEFT
@@ -150,15 +146,10 @@ class Composition:
             axes.spines[:].set_visible(False)
             axes.grid(axis="y", color=GRID, linewidth=1)
             axes.axhline(1.0, color=rgba(OVER_LIMIT), linewidth=1)
-            largest = [np.max(of.share, axis=1) for of in each]
-            for of, values in zip(each, largest, strict=True):
-                axes.plot(clip.trajectory.time, np.minimum(values, top), color=colours[of.kind], linewidth=1.6)
-            (cursor,) = axes.plot([0, 0], [0, top], color=INK, linewidth=1, animated=True)
-            dots = axes.scatter(
-                [0] * len(each), [0] * len(each), s=36, c=[colours[of.kind] for of in each], animated=True, zorder=3,
-                clip_on=False,
-            )  # fmt: skip
-            self._plots.append((axes, cursor, dots, largest))
+            for of in each:
+                largest = np.minimum(np.max(of.share, axis=1), top)
+                axes.plot(clip.trajectory.time, largest, color=colours[of.kind], linewidth=1.6)
+            self._cursors += axes.plot([0, 0], [0, top], color=INK, linewidth=1, animated=True)
         self._put_foot(titles, colours, f"played at {pace}" if pace else "")
         self._clock = self._put(width - RIGHT, height - 10, "", TEXT, color=INK, ha="right", animated=True)
         self._canvas.draw()

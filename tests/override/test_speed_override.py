@@ -212,7 +212,9 @@ def test_torques_carry_the_object_as_pinocchio_has_it(played):
 def test_no_limit_is_passed_at_any_tick(played):
     override, states, _ = played
     assert np.max(passed(override.cell, states)) <= FOLLOWED
-    np.testing.assert_allclose(np.maximum(override.excess(states), -1), np.max(others(override.cell, states), axis=1))
+    np.testing.assert_allclose(
+        np.maximum(override.tables.excess(states), -1), np.max(others(override.cell, states), axis=1)
+    )
     assert np.min(states["speed"]) >= 0
     assert np.all(np.diff(states["time"]) >= 0)
 
@@ -259,7 +261,7 @@ def test_it_ends_at_rest_where_the_plan_ends(played):
     last = override.play(np.ones(3000))[-1]
     assert (last["time"], last["finished"]) == (override.duration, 1)
     assert not np.any([last["dq"], last["ddq"]])
-    assert np.array_equal(last["q"], override.nodes["q"][-1])
+    assert np.array_equal(last["q"], override.tables.nodes["q"][-1])
 
 
 def test_a_stop_takes_what_is_promised(played):
@@ -298,16 +300,16 @@ def test_it_runs_faster_than_the_plan_and_back():
     back = override.play(np.full(1000, -1.0), state=override.start(override.duration))
     assert (back["time"][-1], back["finished"][-1]) == (0.0, 1)
     for states in (there, back):
-        assert np.max(override.excess(states)) <= FOLLOWED
+        assert np.max(override.tables.excess(states)) <= FOLLOWED
 
 
 @pytest.mark.quick
 def test_a_largest_speed_that_is_the_same_everywhere_is_a_speed(slow_lift):
     override = mrts.SpeedOverride(slow_lift, fastest=1.2)
-    assert np.ptp(override.nodes["most"]) == 0
+    assert np.ptp(override.tables.nodes["most"]) == 0
     states = override.play(np.random.default_rng(0).uniform(0, 2, 4000))
     assert np.max(states["speed"]) == pytest.approx(1.2)
-    assert np.max(override.excess(states)) <= BETWEEN
+    assert np.max(override.tables.excess(states)) <= BETWEEN
 
 
 @pytest.mark.quick
