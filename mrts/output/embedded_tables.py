@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError, MotionError
+from mrts.base.formats.record import Pose
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.motors import EFFECTS
@@ -220,11 +221,10 @@ def own_motion(cell: Cell) -> CoordinatedMotion:
     size = float(np.linalg.norm(cell.gravity))
     up = -cell.gravity / size if size > 0 else np.array([0.0, 1.0, 0.0])
     for lift in LIFTS:
-        places = {"start": T_world_object.p, "end": T_world_object.p + lift * up}
-        ends = {name: {"xyz": place.tolist(), "rpy": rpy} for name, place in places.items()}
-        description = {"duration": 0.5, "samples": SAMPLES, "profile": "quintic", **ends}
+        start, end = (Pose(xyz=(T_world_object.p + way * up).tolist(), rpy=rpy) for way in (0.0, lift))
+        described = MotionDescription(duration=0.5, samples=SAMPLES, profile="quintic", start=start, end=end)
         try:
-            return follow_object(cell, sample_motion(MotionDescription.model_validate(description)))
+            return follow_object(cell, sample_motion(described))
         except MotionError:
             continue
     raise InputError(

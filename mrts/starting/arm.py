@@ -123,11 +123,6 @@ class Arm:
         wrench: Array = np.einsum("nij,i->nj", state.jacobian[:, :3], force)
         return wrench - own
 
-    @property
-    def without_effort(self) -> tuple[str, ...]:
-        """Joints of which the URDF says no torque limit."""
-        return tuple(np.array(self.robot.joints)[np.isinf(self.robot.torque_upper)].tolist())
-
     def middle(self) -> Array:
         """The middle of the joint limits, 0 where there are none, Shape (n,) [rad or m]."""
         lower, upper = self.robot.position_lower, self.robot.position_upper

@@ -151,21 +151,13 @@ class CellCheck(JsonOutput):
         yield from map(str, (*self.hints, *self.warnings))
         if self.problem:
             yield f"  {self.problem}"
-        if self.arms:
-            yield ""
-            for arm in self.arms:
-                yield from arm.lines()
-        if self.robots:
-            yield ""
-            yield from joint_table(self.robots)
-        if self.assumed:
-            yield ""
-            yield "assumed:"
-            yield from (f"  {remark.text}" for remark in self.assumed)
+        parts = [[line for arm in self.arms for line in arm.lines()]]
+        parts.append(joint_table(self.robots) if self.robots else [])
+        parts.append(["assumed:", *(f"  {remark.text}" for remark in self.assumed)] if self.assumed else [])
         if self.status == "fine" and self.cell.is_file():
-            yield ""
-            file, motion = shlex.quote(str(self.cell)), shlex.quote(str(self.motion or "MOTION"))
-            yield f"next: mrts scale {file} {motion}"
+            parts.append([f"next: mrts scale {shlex.join(map(str, (self.cell, self.motion or 'MOTION')))}"])
+        for part in filter(None, parts):
+            yield from ("", *part)
 
     def outcome(self) -> str:
         """What came of it, in a line."""
@@ -299,7 +291,7 @@ def _nearest_limit(robot: Robot, motion: CoordinatedMotion) -> str:
     return f"{left:.3g} {unit} from the limit of '{robot.joints[joint]}' at t = {time:.3g} s"
 
 
-def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
+def joint_table(robots: Sequence[Robot]) -> list[str]:
     """What is known of every joint, as aligned lines."""
     rows: list[tuple[str, ...]] = [("arm", "joint", *JOINT_HEAD, "torque from", "friction", "armature")]
     for robot in robots:
@@ -307,4 +299,4 @@ def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
         sources = zip(friction_sources(robot), armature, strict=True)
         known = zip(robot.joint_rows(), sources, strict=True)
         rows += [(robot.name, *joint, torque_source(robot), *motor) for joint, motor in known]
-    yield from aligned(rows)
+    return list(aligned(rows))

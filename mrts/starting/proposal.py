@@ -164,8 +164,7 @@ def _robot_keys(request: Request, arm: Arm, stand: Stand, layout: Layout, mass: 
     robot: dict[str, Any] = {"name": chain.name, "urdf": arm.urdf}
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
     robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
-    if arm.without_effort:
-        known = chain.torque_upper
+    if np.any(np.isinf(known := chain.torque_upper)):  # the URDF does not say them
         robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, arm, mass)).tolist()
     return robot
 

@@ -57,7 +57,7 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
     try:
         cell, motion = choices.cell(given), choices.motion(given)
         if motion is None:
-            return Answer(choices, held_poses(cell, still_motion(cell)))
+            return Answer(choices, held_poses(cell, still_motion(given.cell)))
         profile, rates = choices.profile, choices.torque_rate
         state = play(cell, motion, profile=profile, rates=rates, progress=progress, **given.asked)
     except MrtsError as error:
