@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from mrts.program.rate_limits import Rates
     from mrts.scene.arm_meshes import Urdfs
     from mrts.scene.renderer import Clip
-    from mrts.viewer.choices import Given
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
+    from mrts.viewer.workbench import Given
 
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
@@ -196,7 +196,7 @@ def _urdfs(cell: Path) -> "Urdfs":
 
 
 def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
-    from mrts.viewer.choices import Given
+    from mrts.viewer.workbench import Given
 
     if motion is None:
         from mrts.cell.cell import cell_to_compile

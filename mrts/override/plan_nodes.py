@@ -257,7 +257,7 @@ class _Limits:
     def sides(self, end: int) -> tuple[Array, Array]:
         """Lower and upper sides of A [F, u] at rest or at the largest x, each Shape (n, r)."""
         problem, none = self.problem, np.zeros((1, 1))
-        lower, upper = problem.limits_at(self.x(end)[:, None])
+        lower, upper = problem.limits_at((self.most * end)[:, None])
         root = none if problem.speed is None else problem.speed * np.sqrt(self.most)[:, None]
         chord, turned = (root / 2, self.dry) if end == AT_REST else (none, self.dry + root)
         wider = none if self.passed is None else self.passed[end][:, None]
@@ -274,10 +274,6 @@ class _Limits:
     def wrenches(self, end: int) -> Array:
         """Those that hold, or play; zeros before they are known, Shape (n, n w)."""
         return np.zeros(self.problem.wrench_offset.shape) if self.used is None else self.used[end]
-
-    def x(self, end: int) -> Array:
-        """At rest or at the largest speed."""
-        return self.most * end
 
 
 def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
@@ -394,7 +390,7 @@ def _wrench(plan: Plan, limits: _Limits, end: int, u: Array, *, reserve: bool = 
     moving, found = np.flatnonzero(u) if limits.used else np.arange(len(u)), limits.wrenches(end).copy()
     if not len(moving):
         return found
-    (lower, upper), problem, x, u = limits.sides(end), limits.problem.at(moving), limits.x(end)[moving], u[moving]
+    (lower, upper), problem, x, u = limits.sides(end), limits.problem.at(moving), end * limits.most[moving], u[moving]
     none = np.zeros((*problem.A.shape[:2], 1))
     by_u = problem.rate * u[:, None]
     there: dict[str, Any] = {}

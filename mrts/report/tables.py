@@ -12,6 +12,7 @@ from mrts.plots.card import Card
 from mrts.plots.study_plots import OUTCOMES, StudyTable, percent
 from mrts.program.infeasibility import Conflict
 from mrts.scaling.result import ScalingResult
+from mrts.timing.result import RetimingResult
 
 MOST_BEST = 10
 """Rows of the table of the best variants."""
@@ -50,6 +51,12 @@ def nearest_table(card: Card) -> Table:
     return Table(("nearest limits", "used at most", ""), rows)
 
 
+def setting_table(found: RetimingResult) -> Table:
+    """What limits the speed of a timing, for how long."""
+    rows = [(name, f"{100 * share:.3g} %") for name, share in found.limits]
+    return Table(("what limits the speed", "of the duration"), rows)
+
+
 def inputs(result: ScalingResult) -> list[tuple[str, str]]:
     """What was asked beside cell and motion, by name."""
     asked, load = result.options, result.load
@@ -76,27 +83,21 @@ def duty_table(result: ScalingResult) -> Table:
             rows.append(
                 (
                     f"{robot.name}/{joint}",
-                    _of_limit(duty.rms_torque[j], torque, duty.rated_share[j]),
-                    _of_limit(duty.peak_torque[j], torque, duty.torque_share[j]),
-                    _of_limit(duty.peak_speed[j], speed, duty.speed_share[j]),
-                    (
-                        f"{_cleared(duty.drive_power[j]):.3g} / {_cleared(duty.brake_power[j]):.3g} W",
-                        *([f"{100 * duty.power_share[j]:.1f} %"] if duty.power_share[j] > 0 else []),
-                    ),
-                    _of_limit(duty.torque_rate[j], f"{torque}/s", duty.torque_rate_share[j]),
-                    _of_limit(duty.jerk[j], f"{speed}³", duty.jerk_share[j]),
+                    _of_limit(torque, duty.rated_share[j], duty.rms_torque[j]),
+                    _of_limit(torque, duty.torque_share[j], duty.peak_torque[j]),
+                    _of_limit(speed, duty.speed_share[j], duty.peak_speed[j]),
+                    _of_limit("W", duty.power_share[j], duty.drive_power[j], duty.brake_power[j]),
+                    _of_limit(f"{torque}/s", duty.torque_rate_share[j], duty.torque_rate[j]),
+                    _of_limit(f"{speed}³", duty.jerk_share[j], duty.jerk[j]),
                 )
             )
     head = ("joint", "rms torque", "peak torque", "peak speed", "power given / taken", "torque rate", "jerk")
     return Table(head, rows)
 
 
-def _cleared(value: float) -> float:
-    return float(np.round(value, DECIMALS) + 0.0)
-
-
-def _of_limit(value: float, unit: str, share: float) -> tuple[Entry, ...]:
-    return (f"{_cleared(value):.4g} {unit}", *([f"{100 * share:.1f} %"] if share > 0 else []))
+def _of_limit(unit: str, share: float, *values: float) -> tuple[Entry, ...]:
+    told = " / ".join(f"{np.round(value, DECIMALS) + 0.0:.4g}" for value in values)
+    return (f"{told} {unit}", *([f"{100 * share:.1f} %"] if share > 0 else []))
 
 
 def conflicts_table(conflicts: Sequence[Conflict]) -> Table:

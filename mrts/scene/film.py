@@ -20,7 +20,7 @@ from mrts.plots.plot import COLOURS
 from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at
-from mrts.scene.renderer import Clip, Frame, SceneRenderer, silent
+from mrts.scene.renderer import Clip, Frame, SceneRenderer
 from mrts.scene.scene import OVER_LIMIT, PACES, rgba, suited_pace
 
 RATES = {".gif": 20, ".mp4": 30}
@@ -84,7 +84,7 @@ class Composition:
         InputError: If there are too many clips, or none, or nothing to draw them by.
     """
 
-    def __init__(self, clips: Sequence[Clip], pace: str = "", warn: Warn = silent) -> None:
+    def __init__(self, clips: Sequence[Clip], pace: str = "", warn: Warn = lambda _text: None) -> None:
         if len(clips) not in WIDTHS:
             raise InputError("clips", f"must be one to {max(WIDTHS)}: more have no room.", value=len(clips))
         self._clips = tuple(clips)
@@ -192,7 +192,7 @@ class Composition:
 def write_film(
     clips: Sequence[Clip],
     path: Path,
-    warn: Warn = silent,
+    warn: Warn = lambda _text: None,
     progress: Progress = lambda _done, _total: None,
 ) -> None:
     """Write a film of motions side by side, whole or not at all.
@@ -237,7 +237,7 @@ def write_film(
         write_atomically(path, write)
 
 
-def write_picture(clips: Sequence[Clip], path: Path, time: float, warn: Warn = silent) -> None:
+def write_picture(clips: Sequence[Clip], path: Path, time: float, warn: Warn = lambda _text: None) -> None:
     """Write a PNG of motions side by side at a played time [s]; other arguments and errors as of `write_film`."""
     with closing(Composition(clips, warn=warn)) as composition:
         picture = Image.fromarray(composition.frame(time))

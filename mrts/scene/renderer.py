@@ -71,10 +71,6 @@ Frame = NDArray[np.uint8]
 """Shape (height, width, 3)."""
 
 
-def silent(_text: str) -> None:
-    """Takes a warning, and does nothing."""
-
-
 @dataclass(frozen=True, eq=False)
 class Clip:
     """A motion that is played, what is said of it, URDF and base link of robots drawn with meshes, and its rates."""

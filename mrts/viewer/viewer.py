@@ -17,13 +17,12 @@ import viser
 from mrts.base.errors import MrtsError
 from mrts.scene.arm_meshes import Urdfs, Warn
 from mrts.viewer import panel
-from mrts.viewer.choices import Choices
 from mrts.viewer.controls import ChangeControls, Later, set_slider
 from mrts.viewer.playback import Playback
 from mrts.viewer.player_state import HeldPoses, PlayerState
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.time_plots import PlotPanel
-from mrts.viewer.workbench import Answer, Workbench
+from mrts.viewer.workbench import Answer, Choices, Workbench
 
 FRAME = 1 / 40
 """Time between looks at the controls [s]: with room for late ones a motion plays at thirty frames a second."""

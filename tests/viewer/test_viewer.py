@@ -20,11 +20,11 @@ from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
 from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene.scene import PACES, blended
-from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.time_plots import names_html, time_panels, uplot_props
 from mrts.viewer.viewer import FRAME, Viewer
+from mrts.viewer.workbench import Given, Place
 
 BLENDED = 1e-3
 """By how much less a turn between samples is than a rotation: the square of a step, which is at most 0.06 rad here."""

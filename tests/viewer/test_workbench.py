@@ -17,10 +17,9 @@ from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.plots.plot import Line
 from mrts.scaling.limit_use import limited_rows
 from mrts.viewer import workbench
-from mrts.viewer.choices import Choices, Given, Place, changed_keys, places
 from mrts.viewer.panel import held_html
 from mrts.viewer.time_plots import time_panels
-from mrts.viewer.workbench import Workbench, find_answer
+from mrts.viewer.workbench import Choices, Given, Place, Workbench, changed_keys, find_answer, places
 
 SAME = 1e-9
 """Of numbers that were found twice by the same programs from numbers that passed through a text."""

@@ -11,10 +11,9 @@ from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.motion.motion_file import described_motion
-from mrts.viewer.choices import Given
 from mrts.viewer.server import close_server, open_server
 from mrts.viewer.viewer import FRAME, Viewer
-from mrts.viewer.workbench import Workbench
+from mrts.viewer.workbench import Given, Workbench
 
 PATIENCE = 60.0
 """[s]"""
