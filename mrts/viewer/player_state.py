@@ -158,14 +158,10 @@ class PlayerState:
         return replace(result, found=result.range, c2=done.c2, trajectory=done)
 
     @property
-    def played_timing(self) -> RetimingResult | None:
-        """The timing, at its own speed."""
-        return self.timing if self.trajectory.c2 == 1 else None
-
-    @property
     def plan(self) -> ScalingResult | RetimingResult:
-        """What is played, as it was found."""
-        return self.played_timing or self.played
+        """What is played, as it was found; a timing at its own speed."""
+        timing = self.timing
+        return timing if timing is not None and self.trajectory.c2 == 1 else self.played
 
     @property
     def card(self) -> Card:
@@ -175,7 +171,7 @@ class PlayerState:
     @property
     def admissible(self) -> bool:
         """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
-        return self.played_timing is not None or _admits(self.result, self.trajectory.c2)
+        return self.plan is self.found or _admits(self.result, self.trajectory.c2)
 
     def violations(self) -> list[LimitUse]:
         """Limits that are passed at some sample, the worst first."""
