@@ -127,6 +127,8 @@ def test_the_timing_stands_first_with_saving_limits_and_phase_plane(planar_cell,
     assert f"{sentence[0].upper()}{sentence[1:]}" in text
     name, share = timing.limits[0]
     assert f"limited by {name}, {100 * share:.0f} % of the time" in text
+    for name, share in timing.limits:
+        assert f"<td>{name}</td><td>{100 * share:.3g} %</td>" in text
     curves = [item for item in phase_plane_plot(timing).rows[0][0].items if isinstance(item, Line)]
     traces = {trace.get("name"): trace for trace in data_of(text)["plots"]["plot-phase_plane"]["data"]}
     assert [curve.label.split(",")[0] for curve in curves[-2:]] == ["fastest", "best constant c"]
