@@ -19,7 +19,7 @@ from mrts.base.formats.record import Finite, Record, Rule
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
-from mrts.cell.number_paths import Keys, find_keys, number_unit, numbers_below, path_text, value_at, with_place
+from mrts.cell.cell_keys import Keys, find_keys, number_unit, numbers_below, path_text, value_at, with_place
 
 SampleName = Literal["grid", "sobol"]
 

@@ -4,7 +4,7 @@ import pytest
 from gantries import gantries
 
 from mrts.base.errors import InputError
-from mrts.cell.number_paths import find_keys, number_unit, path_text, value_at
+from mrts.cell.cell_keys import find_keys, number_unit, path_text, value_at
 
 UNITS = {
     "robots.near.posture[0]": "m",

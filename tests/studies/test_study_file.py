@@ -12,7 +12,7 @@ from shipped_cells import shipped, shipped_motion
 from study_files import planar_study
 
 import mrts
-from mrts.cell.number_paths import numbers_below, path_text, value_at
+from mrts.cell.cell_keys import numbers_below, path_text, value_at
 from mrts.studies.parameters import Distribution, sample_points
 from mrts.studies.variants import batch_for, solve_one_by_one, solve_variants
 
