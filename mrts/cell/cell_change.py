@@ -140,7 +140,7 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     if cell.reserve:
         named.append(("reserve", "", ""))
     shares = [(entry, steps.share) for entry in named]
-    along, around = _axes(cell)
+    along, around = free_axes(cell)
     for kind in POSES:
         for robot in cell.robots:
             if kind == "base" and machine_of(cell, robot.name)[0] != robot.name:
@@ -213,9 +213,11 @@ def _bounded(
     return {(kind, name, elements[at]): [(*place, side, at) for side in sides] for at in limited}
 
 
-def _axes(cell: Cell) -> tuple[list[str], list[str]]:
-    forces, moments = ([name[1] for name in cell.wrench_components if name[0] == first] for first in "fn")
-    return forces, moments
+def free_axes(cell: Cell) -> tuple[str, str]:
+    """Axes along which, and about which poses of a cell may move: two and one in a plane."""
+    if cell.plane is None:
+        return AXES, AXES
+    return cell.plane, "".join(sorted({*AXES} - {*cell.plane}))
 
 
 def _outward(owner: Any, keys: Sequence[Any], step: float) -> Any:

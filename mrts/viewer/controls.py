@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import viser
 
-from mrts.cell.cell_change import Changed, limit_places
+from mrts.cell.cell_change import Changed, free_axes, limit_places
 from mrts.viewer.panel import keys_html
-from mrts.viewer.workbench import Choices, Place, Workbench, changed_keys, free_axes, places
+from mrts.viewer.workbench import Choices, Place, Workbench, changed_keys, places
 
 DECIMALS = 2
 """Least decimal places of a number field: with those of a step of 1, none, a page drops the point from a typed 1.5."""

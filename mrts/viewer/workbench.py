@@ -164,13 +164,6 @@ class Choices:
         return moved
 
 
-def free_axes(cell: Cell) -> tuple[str, str]:
-    """Axes along which, and about which poses of a cell may move: two and one in a plane."""
-    if cell.plane is None:
-        return "xyz", "xyz"
-    return cell.plane, "".join(sorted({*"xyz"} - {*cell.plane}))
-
-
 def changed_keys(given: Given, choices: Choices) -> list[str]:
     """What was changed: keys of the cell file as of `Cell.with_values`, and of the motion file, with their values."""
     before, after = cell_keys(given.cell), cell_keys(choices.cell(given))
