@@ -80,21 +80,22 @@ class JointMotors(MadeAgain):
         """Whether some of the torque overcomes friction."""
         return bool(np.any(self.coulomb) or np.any(self.viscous))
 
-    def problem_with(self, lower: Array, upper: Array, joints: Sequence[str]) -> tuple[str, str] | None:
-        """What contradicts the torque limits: the key and the rule; None if nothing does."""
+    def check_torques(self, where: str, lower: Array, upper: Array, joints: Sequence[str]) -> None:
+        """Refuse torque limits of a robot, named in the message, that they contradict."""
         for j, joint in enumerate(joints):
             least, most = float(min(-lower[j], upper[j])), float(max(-lower[j], upper[j]))
             if self.coulomb[j] > 0 and not self.coulomb[j] < least:
                 rule = f"Coulomb friction of joint '{joint}' is {self.coulomb[j]:g}, which no torque within its limits "
-                return f"friction.coulomb[{j}]", f"{rule}({lower[j]:g} to {upper[j]:g}) overcomes. Correct one of them."
+                rule = f"{rule}({lower[j]:g} to {upper[j]:g}) overcomes. Correct one of them."
+                raise InputError(where, rule, key=f"motors.friction.coulomb[{j}]")
             curve = self.torque_speed[j]
             if curve is not None and not most <= curve[0, 1] * (1 + ROUNDED_SLOPE):
-                return f"torque_speed[{j}]", (
+                rule = (
                     f"the curve of joint '{joint}' gives {curve[0, 1]:g} at standstill, but its torque limit is "
                     f"{most:g}: they contradict each other. Give a 'torque' of at most {curve[0, 1]:g}, or another "
                     "curve."
                 )
-        return None
+                raise InputError(where, rule, key=f"motors.torque_speed[{j}]")
 
 
 def torque_speed_lines(curve: Array) -> list[tuple[float, float]]:

@@ -152,9 +152,7 @@ class Robot(MadeAgain):
     def _check_parts(self, where: str, n: int) -> None:
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")
-        contradiction = self.motors.problem_with(self.torque_lower, self.torque_upper, self.joints)
-        if contradiction is not None:
-            raise InputError(where, contradiction[1], key=f"motors.{contradiction[0]}")
+        self.motors.check_torques(where, self.torque_lower, self.torque_upper, self.joints)
         names = [contact.name for contact in self.contacts]
         if len({*names}) < len(names):
             raise InputError(where, "must have names of their own.", key="contacts", value=names)

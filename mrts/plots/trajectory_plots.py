@@ -14,7 +14,7 @@ from mrts.plots.card import answer_card
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, curves_panel, level, look, shortened, time_axis
 from mrts.plots.range_plots import range_plot
-from mrts.scaling.limit_use import LimitedQuantities, limited_quantities, limited_rates, limited_rows
+from mrts.scaling.limit_use import LimitedQuantities, all_quantities, limited_quantities, limited_rates
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
 from mrts.timing.result import RetimingResult
@@ -80,7 +80,7 @@ def limit_shares(done: ScaledTrajectory, rates: LimitedQuantities | None = None)
 
     Velocities also where their limits are reported only, and rates that are given.
     """
-    found = [limited_rows(done), *([] if rates is None else [rates])]
+    found = [all_quantities(done).limited, *([] if rates is None else [rates])]
     rows = [name for of in found for name in of.rows]
     share = np.maximum(np.hstack([of.share for of in found]), 0.0)
     kinds = []

@@ -122,9 +122,9 @@ class LimitedQuantities:
         return tuple(name.unit for name in self.rows)
 
     @property
-    def limited(self) -> NDArray[np.bool_]:
-        """Which have a limit on some side, Shape (k,)."""
-        return np.asarray(np.any(np.isfinite(self.lower) | np.isfinite(self.upper), axis=0))
+    def limited(self) -> Self:
+        """Those that have a limit on some side."""
+        return self.only(np.any(np.isfinite(self.lower) | np.isfinite(self.upper), axis=0))
 
     def only(self, chosen: Sequence[bool] | NDArray[np.bool_]) -> Self:
         """Some of the quantities, chosen by Shape (k,)."""
@@ -137,7 +137,7 @@ class LimitedQuantities:
         return self.only([(name.kind, name.robot) == (kind, robot) for name in self.rows])
 
     def uses(self, time: Array) -> tuple[LimitUse, ...]:
-        """What is made of each that is limited, at the sample that uses most; `time` of the samples, Shape (N,) [s]."""
+        """What is made of each, all limited, at the sample that uses most; `time` of the samples, Shape (N,) [s]."""
         most = np.max(self.share, axis=0)
         at = np.argmax(self.share >= _told_apart(most), axis=0)
         values = np.where(np.abs(self.values) < NOTHING * self.unit, 0.0, self.values)
@@ -152,13 +152,13 @@ class LimitedQuantities:
                 time=float(time[at[row]]),
                 sample=int(at[row]),
             )
-            for row in np.flatnonzero(self.limited).tolist()
+            for row in range(len(self.rows))
         )
 
 
 def limit_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
     """How much of each limit a trajectory uses, those of velocities enforced or not, in their order."""
-    return all_quantities(done).uses(done.time)
+    return all_quantities(done).limited.uses(done.time)
 
 
 def _told_apart(share: Array | float) -> Array:
@@ -177,12 +177,6 @@ def rate_uses(result: "ScalingResult") -> list[LimitUse]:
     return [] if result.trajectory is None or rates is None else by_share(rates.uses(result.trajectory.time))
 
 
-def limited_rows(done: "ScaledTrajectory") -> LimitedQuantities:
-    """The rows that have a limit, velocities also where their limits are reported only."""
-    found = all_quantities(done)
-    return found.only(found.limited)
-
-
 def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
     """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits."""
     found = all_quantities(result.done)
@@ -199,6 +193,7 @@ def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> Limite
 def all_quantities(done: "ScaledTrajectory") -> LimitedQuantities:
     """What rows limit, with what the limits of torque-speed lines are at the speed of each sample.
 
+    Velocities have theirs also where these are reported only.
     Such a line is no limit on the side on which the motor brakes.
     """
     rows = all_rows(done.cell, done.motion)
@@ -231,7 +226,7 @@ def power_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
     unit = np.append(cell.stacked("motors.power"), cell.power_limit or np.inf)
     limit = np.broadcast_to(unit, power.shape)
     found = LimitedQuantities(rows, power, -limit, limit, np.abs(power) / limit, unit)
-    return found.uses(done.time)
+    return found.limited.uses(done.time)
 
 
 def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:
@@ -249,8 +244,8 @@ def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:
     rates = np.concatenate([rates, rates[-1:]])
     unit = np.concatenate([limits.torque, limits.wrench, limits.jerk])
     limit = np.broadcast_to(unit, rates.shape)
-    found = LimitedQuantities(sum(rate_names(result.cell), ()), rates, -limit, limit, np.abs(rates) / limit, unit)
-    return found.only(found.limited)
+    names = sum(rate_names(result.cell), ())
+    return LimitedQuantities(names, rates, -limit, limit, np.abs(rates) / limit, unit).limited
 
 
 def limits_table(

@@ -15,7 +15,7 @@ from mrts.plots.card import MOST_BARS, answer_card, answer_lines
 from mrts.plots.plot import value_ends
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
 from mrts.plots.trajectory_plots import limit_shares
-from mrts.scaling.limit_use import limited_quantities, limited_rows, rate_uses
+from mrts.scaling.limit_use import all_quantities, limited_quantities, rate_uses
 
 pytestmark = pytest.mark.quick
 
@@ -70,7 +70,7 @@ def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):
     assert durations == f"{found.duration:.4g} s (given 0.8 s)"
     assert limit.startswith("limited by right/wrist_2_turn velocity (3.14159 rad/s), at ")
     assert float(limit.split()[-2]) == pytest.approx(end.time / np.sqrt(end.c2), rel=1e-3)
-    used = limited_rows(found.trajectory)
+    used = all_quantities(found.trajectory).limited
     largest = np.sort(np.max(used.share, axis=0))[::-1][:MOST_BARS]
     assert [bar.share for bar in card.bars] == pytest.approx(largest.tolist())
     assert [bar.nearness for bar in card.bars] == ["reached", "near", "near", "free", "free"]
