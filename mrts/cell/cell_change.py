@@ -4,11 +4,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import degrees, pi
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from mrts.base.formats.record import Record, Rule, check_attributes
+from mrts.base.formats.record import Record
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.points import PointLimit
@@ -29,30 +29,11 @@ Changed = tuple[ChangeKind, str, str]
 Keys = tuple[Any, ...]
 """Attributes, places in tuples and at last what an array is indexed by, from a cell inward."""
 
+SHARE = 0.1
+"""By which limits, mass and reserve are changed, of them."""
 
-Step = Annotated[float, Rule(ge=1e-9, le=0.9)]
-"""Whatever its unit: the programs are right to 1e-9."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ChangeSteps:
-    """How far numbers are changed, each up and down.
-
-    Attributes:
-        share: Of limits, mass and reserve, as a share of them.
-        shift: Of bases and grasps along an axis [m].
-        turn: Of bases and grasps about an axis [rad].
-
-    Raises:
-        InputError: If one is not a number from 1e-9 to 0.9.
-    """
-
-    share: Step = 0.1
-    shift: Step = 0.01
-    turn: Step = pi / 180
-
-    def __post_init__(self) -> None:
-        check_attributes(self, ChangeSteps, "steps")
+SHIFT, TURN = 0.01, pi / 180
+"""By which bases and grasps are changed, along an axis [m] and about one [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +110,7 @@ class CellChange:
         return RigidTransform(multiply(rotation_from_rpy(*step), pose.R), pose.p)
 
 
-def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
+def cell_changes(cell: Cell) -> tuple[CellChange, ...]:
     """All changes of a cell, each up and down: its limits, in the order of its rows, mass and reserve, and its poses.
 
     Sides of a limit move together. A joint with a torque-speed curve has its torques changed with the limit, as by
@@ -139,14 +120,14 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     named: list[Changed] = [*limit_places(cell), ("mass", "", "")]
     if cell.reserve:
         named.append(("reserve", "", ""))
-    shares = [(entry, steps.share) for entry in named]
+    shares = [(entry, SHARE) for entry in named]
     along, around = free_axes(cell)
     for kind in POSES:
         for robot in cell.robots:
             if kind == "base" and machine_of(cell, robot.name)[0] != robot.name:
                 continue
-            shares += [((kind, robot.name, axis), steps.shift) for axis in along]
-            shares += [((kind, robot.name, f"about {axis}"), steps.turn) for axis in around]
+            shares += [((kind, robot.name, axis), SHIFT) for axis in along]
+            shares += [((kind, robot.name, f"about {axis}"), TURN) for axis in around]
     return tuple(
         CellChange(kind=kind, robot=robot, element=element, step=sign * step)
         for (kind, robot, element), step in shares

@@ -15,7 +15,6 @@ from mrts.base.errors import Progress, Remark, check_callable, printable
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows, RowName
@@ -92,33 +91,23 @@ class Result(InNotebooks, JsonOutput):
     def speed_question(self) -> SpeedQuestion:
         """What `what_if` asks of every changed cell."""
 
-    def what_if(
-        self,
-        *,
-        share: float = ChangeSteps.share,
-        shift: float = ChangeSteps.shift,
-        turn: float = ChangeSteps.turn,
-        progress: Progress = lambda _done, _total: None,
-    ) -> WhatIf:
+    def what_if(self, *, progress: Progress = lambda _done, _total: None) -> WhatIf:
         """What changes to the cell would do to the speed, each by itself, solved again at the samples of the result.
 
-        Both sides of each limit, the mass and a reserve are changed by a share up and down; each arm's base is moved
-        along and turned about world axes through its origin, each grasp along and about the object's axes, and the
+        Both sides of each limit, the mass and a reserve are changed by 10 % up and down; each arm's base is moved 10 mm
+        along and turned 1° about world axes through its origin, each grasp along and about the object's axes, and the
         arms follow again. Limits of rates, and the cell's further limits, stay as they are.
 
         Args:
-            share: Of limits, mass and reserve, as a share of them.
-            shift: Of bases and grasps along an axis [m].
-            turn: Of bases and grasps about an axis [rad].
             progress: Told how many of how many changes are done.
 
         Raises:
-            InputError: If a step breaks a rule, or the result is that of a retimed motion, of a possible load, or of a
-                timing with limits of rates.
+            InputError: If the result is that of a retimed motion, of a possible load, or of a timing with limits of
+                rates.
             SolverError: If no solver answers.
         """
         check_callable("progress", progress)
-        return what_if(self.speed_question(), ChangeSteps(share=share, shift=shift, turn=turn), progress)
+        return what_if(self.speed_question(), progress)
 
     def limits_table(self) -> NotebookTable:
         """All limits by falling share that is used, those that set the speed first."""

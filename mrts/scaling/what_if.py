@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, MotionError, Progress, SolverError
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import aligned, first_names
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import CellChange, ChangeSteps, cell_changes
+from mrts.cell.cell_change import SHARE, SHIFT, TURN, CellChange, cell_changes
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, following_again
 
 NO_CHANGE = 1e-6
@@ -113,13 +113,11 @@ class WhatIf(InNotebooks):
     """What `ScalingResult.what_if` or `RetimingResult.what_if` found.
 
     Attributes:
-        steps: How far each number was changed.
         before: The answer as it is, at the samples of the result.
         changes: All changes, what gains most first, what cannot be played last.
         left_out: What could not be asked, a sentence; empty if nothing.
     """
 
-    steps: ChangeSteps
     before: SpeedAnswer
     changes: tuple[ChangedAnswer, ...]
     left_out: str = ""
@@ -146,12 +144,11 @@ class WhatIf(InNotebooks):
 
     def notebook_words(self) -> list[str]:
         """The question and the answer before, and what does nothing."""
-        steps, before = self.steps, self.before
-        poses = f", {1000 * steps.shift:.4g} mm and {degrees(steps.turn):.4g}° of bases and grasps"
+        before, poses = self.before, f", {1000 * SHIFT:.4g} mm and {degrees(TURN):.4g}° of bases and grasps"
         moved = any(one.change.moves_arms for one in self.changes)
         now = before.status if before.duration is None else _seconds(before.duration)
         now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
-        question = f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
+        question = f"what if: ±{100 * SHARE:.4g} % of limits and mass{poses if moved else ''}; now {now}"
         return [question, *filter(None, [self._others(), self.left_out])]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
@@ -185,7 +182,6 @@ class WhatIf(InNotebooks):
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""
         return {
-            "steps": asdict(self.steps),
             "before": self.before.to_json(),
             "changes": [one.to_json() for one in self.changes],
             "without_effect": list(self.without_effect),
@@ -205,7 +201,7 @@ SpeedQuestion = tuple[Cell, CoordinatedMotion, Callable[[Cell, CoordinatedMotion
 """A cell, its motion, and what answers for a changed cell and its motion, told the answer for the cell as it is."""
 
 
-def what_if(question: SpeedQuestion, steps: ChangeSteps, progress: Progress) -> WhatIf:
+def what_if(question: SpeedQuestion, progress: Progress) -> WhatIf:
     """Change every number of a cell, one at a time up and down, and ask again.
 
     Arms whose base or grasp is moved follow the same motion of the object again, from the same postures.
@@ -213,7 +209,7 @@ def what_if(question: SpeedQuestion, steps: ChangeSteps, progress: Progress) -> 
     cell, motion, answer = question
     follows, motion = following_again(cell, motion)
     before = answer(cell, motion, None)
-    changes, left_out = cell_changes(cell, steps), ""
+    changes, left_out = cell_changes(cell), ""
     if follows is None:
         changes, left_out = tuple(change for change in changes if not change.moves_arms), _GIVEN
     found = []
@@ -233,4 +229,4 @@ def what_if(question: SpeedQuestion, steps: ChangeSteps, progress: Progress) -> 
         found.append(ChangedAnswer(change, after, before))
     progress(len(changes), len(changes))
     found.sort(key=lambda one: inf if one.after.duration is None else one.after.duration)
-    return WhatIf(steps, before, tuple(found), left_out)
+    return WhatIf(before, tuple(found), left_out)

@@ -10,7 +10,7 @@ from same_cells import same_cell
 from shipped_cells import shipped
 
 import mrts
-from mrts.cell.cell_change import ChangeSteps, cell_changes
+from mrts.cell.cell_change import cell_changes
 
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1_turn", "wrist_2_turn", "wrist_3_turn")
 
@@ -136,7 +136,7 @@ EXPECTED = {
 
 
 def test_changes_name_each_limit_once_and_are_those_of_a_changed_cell(cell, lift_and_turn):
-    ups = [change for change in cell_changes(cell, ChangeSteps()) if change.step > 0]
+    ups = [change for change in cell_changes(cell) if change.step > 0]
     names = [(change.kind, change.robot, change.element) for change in ups]
     of_motion = [name for name in names if name[0] in {"velocity", "acceleration", "contact"}]
     assert set(of_motion) == EXPECTED

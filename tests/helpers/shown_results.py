@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import UR5
 from random_motors import with_all_rates
@@ -56,8 +57,11 @@ def braking_only(cell, lift, first):
 
 
 def with_changes(result, **steps):
-    """The result with what changes to its cell would do."""
-    return replace(result, changes=result.what_if(**steps))
+    """The result with what changes to its cell would do, by other steps than mrts's own."""
+    with pytest.MonkeyPatch.context() as patched:
+        for name, step in steps.items():
+            patched.setattr(f"mrts.cell.cell_change.{name}", step)
+        return replace(result, changes=result.what_if())
 
 
 def result_of(kind, planar, spatial, lift, folder):
@@ -80,7 +84,7 @@ def result_of(kind, planar, spatial, lift, folder):
         "awkward names": lambda: with_changes(mrts.scale(with_awkward_names(planar), lift)),
         "smooth": lambda: mrts.retime(with_all_rates(planar), lift, rates=11.0).retimed,
         "rates": lambda: mrts.scale(with_all_rates(planar), lift),  # told, not kept
-        "what if": lambda: with_changes(mrts.scale(planar.with_mass(7.0), lift), share=0.8, shift=0.9),
+        "what if": lambda: with_changes(mrts.scale(planar.with_mass(7.0), lift), SHARE=0.8, SHIFT=0.9),
     }
     assert tuple(makers) == KINDS
     return makers[kind]()

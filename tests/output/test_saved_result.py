@@ -31,7 +31,7 @@ OTHERS = {
         mrts.scale(cell.with_variation(mass=(0.2, 6.0), mx=(-0.1, 0.1)), lift), cell.load + 0.05 * np.eye(10)[1]
     ),
     "what if of a timing": lambda cell, lift: replace(
-        (found := mrts.retime(cell, lift)).retimed, changes=found.what_if(share=0.2)
+        (found := mrts.retime(cell, lift)).retimed, changes=found.what_if()
     ),
 }
 """Results beside those that people look at."""
@@ -128,7 +128,7 @@ TIMINGS = {
     "fastest": mrts.retime,
     "smooth": lambda cell, motion: mrts.retime(cell, motion, rates=11.5),
     "of a box": lambda cell, motion: mrts.retime(cell.with_variation(mass=(0.2, 6.0)), motion),
-    "what if": lambda cell, motion: with_changes(mrts.retime(cell, motion), share=0.2),
+    "what if": lambda cell, motion: with_changes(mrts.retime(cell, motion)),
     "infeasible": lambda cell, motion: mrts.retime(cell.with_mass(60.0), motion),
     "no path": lambda cell, motion: mrts.retime(cell, still_motion(motion.position[0])),
 }

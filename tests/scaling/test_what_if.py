@@ -9,6 +9,7 @@ from conftest import UR5
 from gantries import along_x, gantries
 from scipy.spatial.transform import Rotation
 from shipped_cells import cell_file, shipped
+from shown_results import with_changes
 
 import mrts
 
@@ -122,7 +123,7 @@ def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(li
 
 
 def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
-    found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
+    found = by_text(with_changes(mrts.scale(planar_cell.with_mass(7.0), lift), SHARE=0.8, SHIFT=0.9).changes)
     lost = found["mass +80 %"]
     assert lost.after.status == "infeasible"
     told = "at 20 of 101 samples; at t = 0 s left/elbow ↑, right/elbow ↓, left/fx ↑ and 1 more conflict"
