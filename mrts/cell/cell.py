@@ -4,7 +4,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import accumulate, combinations
 from operator import attrgetter
 from os import PathLike
 from pathlib import Path
@@ -298,11 +298,8 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:
-    slices, start = {}, 0
-    for name, size in sizes.items():
-        slices[name] = slice(start, start + size)
-        start += size
-    return slices
+    ends = accumulate(sizes.values())
+    return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
 
 def load_cell(path: Path | str) -> Cell:

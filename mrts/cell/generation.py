@@ -191,8 +191,7 @@ def emitted(functions: dict[str, Any]) -> str:
     """The C text of CasADi's functions by short name."""
     from mrts_codegen.generate import emit_c  # noqa: PLC0415 (build time, on demand)
 
-    text: str = emit_c(functions)
-    return text
+    return emit_c(functions)
 
 
 def cell_model(path: Path) -> Any:
@@ -206,8 +205,7 @@ def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
     """CasADi's functions of the motion of a cell's joints, and the manifest: nothing is compiled."""
     from mrts_codegen.generate import motion_functions  # noqa: PLC0415 (build time, on demand)
 
-    manifest, functions = motion_functions(cell, CACHED_STEM)
-    return manifest, functions
+    return motion_functions(cell, CACHED_STEM)
 
 
 def read_to_generate(path: Path) -> Any | None:
@@ -259,8 +257,7 @@ def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) ->
     """The arm from a base link, None for the root, to a tip link, and centres of mass of its joints' bodies."""
     from mrts_codegen.urdf.robot_model import arm_chain  # noqa: PLC0415 (build time, on demand)
 
-    robot, com = arm_chain(path, urdf, base_link, tip_link)
-    return robot, com
+    return arm_chain(path, urdf, base_link, tip_link)
 
 
 def chain_of(cell: CellRecord, robot: Robot, folder: Path) -> Any:
@@ -285,5 +282,4 @@ def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
     """A cell with its URDFs (None if something is wrong), and all that is wrong."""
     from mrts_codegen.cell_model import read_cell  # noqa: PLC0415 (build time, on demand)
 
-    model, mistakes = read_cell(path)
-    return model, mistakes
+    return read_cell(path)

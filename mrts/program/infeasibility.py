@@ -57,6 +57,11 @@ class Conflict:
     load: LoadPoint | None = None
     c2: float | None = None
 
+    @property
+    def with_load(self) -> str:
+        """The load in words, after a blank; empty if it is known."""
+        return "" if self.load is None else f" with {self.load}"
+
     def to_json(self) -> dict[str, Any]:
         """Entry of "conflicts" in the JSON result."""
         return {
@@ -71,9 +76,9 @@ class Conflict:
         }
 
     def __str__(self) -> str:
-        carried = "the object" if self.load is None else f"the object with {self.load}"
         of_load = any(row.name.of_load for row in self.rows)
-        none = f"no torques carry {carried} at any speed" if of_load else "limits of the motion alone admit no speed"
+        carried = f"no torques carry the object{self.with_load} at any speed"
+        none = carried if of_load else "limits of the motion alone admit no speed"
         nearest = "" if self.c2 is None else f"even at c² = {self.c2:.4g}, which comes closest, "
         moves = ", ".join(
             f"{row.name.short} by {move:.3g} {row.name.unit}".rstrip()

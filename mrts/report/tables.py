@@ -104,8 +104,7 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Table:
     """Which limits conflict and when; conflicts of the same limits share a row, which tells of their worst sample."""
     groups: dict[str, list[Conflict]] = {}
     for conflict in sorted(conflicts, key=lambda conflict: -conflict.widening):
-        load = "" if conflict.load is None else f" with {conflict.load}"
-        groups.setdefault(f"{sorted(map(str, conflict.rows))}{load}", []).append(conflict)
+        groups.setdefault(f"{sorted(map(str, conflict.rows))}{conflict.with_load}", []).append(conflict)
     rows: list[tuple[Entry, ...]] = []
     for alike in groups.values():
         worst = alike[0]

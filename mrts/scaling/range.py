@@ -117,9 +117,8 @@ class ScalingRange:
         conflicts = self.samples.conflicts
         if self.status is RangeStatus.INFEASIBLE:
             worst = max(conflicts, key=lambda conflict: conflict.widening)
-            load = "" if worst.load is None else f" with {worst.load}"
-            where = f"at {len(conflicts)} of {len(self.samples.time)} samples; at t = {worst.time:.4g} s{load}"
-            return f"{where} {row_labels(worst.rows)} conflict"
+            where = f"at {len(conflicts)} of {len(self.samples.time)} samples"
+            return f"{where}; at t = {worst.time:.4g} s{worst.with_load} {row_labels(worst.rows)} conflict"
         return self._contradiction().rstrip(".")
 
     def explain(self) -> str:

@@ -259,9 +259,8 @@ def _admitted(result: ScalingResult, rows: MotionRows, c2: float) -> float:
     if admitted is None and c2 < low and found.samples.several:
         worst = conflict_at(result, c2)
         if worst is not None:
-            load = "" if worst.load is None else f" with {worst.load}"
             raise SelectionError(
-                f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} "
+                f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{worst.with_load} "
                 f"{rows_text(worst.rows, '; ')} forbid it."
             )
         admitted = c2

@@ -20,7 +20,6 @@ from mrts.limits.rows import row_labels
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.between_samples import BETWEEN
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.range_status import RangeStatus
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
@@ -205,10 +204,8 @@ def _evaluate(
 def outcome(configuration: Configuration) -> str:
     """When and by what a configuration is limited, or why it is not feasible, in a phrase."""
     found = configuration.range
-    if found.status is RangeStatus.INFEASIBLE:
-        worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
-        return f"infeasible: {row_labels(worst.rows)}"
+    if not found.status.admits_motion:
+        return f"{found.status.value}: {found.reason()}"
     if found.upper is None or found.upper.time is None:
         return str(found.status.value)
-    where = "empty" if found.status is RangeStatus.EMPTY else f"t = {found.upper.time:.3g} s"
-    return f"{where}: {row_labels(found.upper.rows)}"
+    return f"t = {found.upper.time:.3g} s: {row_labels(found.upper.rows)}"

@@ -220,8 +220,7 @@ class _Search:
 def _rows(conflict: Conflict | None) -> str:
     if conflict is None:
         return ""
-    load = "" if conflict.load is None else f" with {conflict.load}"
-    return f"; these conflict{load}: {rows_text(conflict.rows, '; ')}"
+    return f"; these conflict{conflict.with_load}: {rows_text(conflict.rows, '; ')}"
 
 
 def timing_question(found: RetimingResult) -> SpeedQuestion:
