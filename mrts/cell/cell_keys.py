@@ -113,7 +113,7 @@ def pose_keys(T: RigidTransform) -> dict[str, list[float]]:
 
 
 def _shape_keys(shape: BodyShape) -> dict[str, Any]:
-    return shape.model_dump() | ({"pose": None} if shape.pose == Pose() else {})
+    return shape.model_dump() | ({"pose": None} if shape.pose.model_dump() == Pose().model_dump() else {})
 
 
 def _sides(lower: Array, upper: Array) -> dict[str, list[float | None]] | list[float | None]:
