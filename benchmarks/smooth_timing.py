@@ -66,7 +66,7 @@ def steps(found: mrts.RetimingResult, given: float) -> Callable[[], Any]:
         given: Duration of the given motion [s].
     """
     program, smooth = found.pieces[0].program, found.smooth  # type: ignore[attr-defined]  # a SmoothPiece
-    around = np.full(program.nodes, (given / smooth.bound) ** 2)  # type: ignore[union-attr]
+    around = np.full(len(program.square), (given / smooth.bound) ** 2)  # type: ignore[union-attr]
 
     def run() -> float:
         taken = successive_steps(program, around, Goal(), KernelSolver())

@@ -150,6 +150,11 @@ class RowName:
         return self.kind not in SPEEDS and self.robot != "object"
 
     @property
+    def rate(self) -> "RowName":
+        """How fast it changes."""
+        return replace(self, kind=f"{self.kind} rate", unit=f"{self.unit}/s")
+
+    @property
     def contact(self) -> str:
         """`left/pad` for a row of that contact, empty for any other."""
         return f"{self.robot}/{self.element.split()[0]}" if self.kind == "contact" else ""

@@ -79,10 +79,10 @@ class KernelSolver:
         """F of the least effort at a given timing, Shape (n, f); None where none is found."""
         program = program.of_free()
         if program.free.shape[2] == 0:
-            return np.zeros((program.nodes, 0))
+            return np.zeros((len(x), 0))
         timed = _start(program, x, u)
         solved, *_ = self._solve(program, timed, x, LEAST_EFFORT, timed=True)
-        return timed.free if solved and program.excess(timed.x, timed.u, timed.free) <= KEPT else None
+        return timed.free if solved and program.excess(timed) <= KEPT else None
 
     def least_rates(self, program: SmoothProgram, x: Array) -> tuple[float, Array, Array] | None:
         """The least share of all limits of rates that wrenches within the other limits take at a constant x.
@@ -160,11 +160,11 @@ class KernelSolver:
 
 def _start(program: SmoothProgram, x: Array, u: Array | None = None) -> SmoothProfile:
     """A profile to start from, with what is given at the ends."""
-    x, free = np.array(x, dtype=np.float64), np.zeros((program.nodes, program.free.shape[2]))
+    x, free = np.array(x, dtype=np.float64), np.zeros((len(x), program.free.shape[2]))
     for place, end, held in zip((0, -1), program.ends, program.end_free, strict=True):
         x[place] = x[place] if end is None else end
         free[place] = 0.0 if held is None else held
-    return SmoothProfile(x, np.zeros(program.nodes) if u is None else np.array(u), free)
+    return SmoothProfile(x, np.zeros(len(x)) if u is None else np.array(u), free)
 
 
 def _at_nodes(before: Array, kept: Array, sigma: Array, free: int) -> Array | None:

@@ -20,7 +20,7 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
-from mrts.limits.rows import ActiveRow, LimitRows, counted_sizes
+from mrts.limits.rows import ActiveRow, LimitRows, RowName, counted_sizes
 from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_solver import KernelSolver
@@ -36,7 +36,7 @@ SHARE_MARGIN = 1e-5
 """Share of a limit beyond the least that torques within rates may use: the least shares of a whole motion are met by
 hardly more than one distribution, in which an interior point finds no inside."""
 
-SHARE = "share of the limits"
+SHARE = RowName("share of the limits")
 """Name of the row of s."""
 
 OF_SPEED = ("square", "rate", "root", "offset")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, with_part
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import circle, joint_rows, polygons, wrench_rows
+from mrts.limits.rows import RowName, circle, joint_rows, polygons, wrench_rows
 from mrts.program.motion_rows import motor_terms
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem
@@ -57,7 +57,7 @@ class SmoothProgram:
         gram: Of c cones, Shape (n, c, 3, 3).
         bound: Of them, Shape (n, c, 3); the last of each is infinite at nodes without it.
         names: Names of the rows, and then of the cones.
-        joints: Names of the joints whose jerk is limited.
+        jerk_names: Names of the jerks that are limited.
         ends: x at the first and the last node where it is given, else None.
         end_free: F at the first and the last node, Shape (f,), where it is given, else None.
     """
@@ -79,15 +79,10 @@ class SmoothProgram:
     jerk: Array
     gram: Array = field(default_factory=lambda: np.zeros((1, 0, 3, 3)))
     bound: Array = field(default_factory=lambda: np.zeros((1, 0, 3)))
-    names: tuple[str, ...] = ()
-    joints: tuple[str, ...] = ()
+    names: tuple[RowName, ...] = ()
+    jerk_names: tuple[RowName, ...] = ()
     ends: tuple[float | None, float | None] = (None, None)
     end_free: tuple[Array | None, Array | None] = (None, None)
-
-    @property
-    def nodes(self) -> int:
-        """Number of nodes n."""
-        return len(self.square)
 
     @property
     def spacing(self) -> Array:
@@ -110,7 +105,7 @@ class SmoothProgram:
         """The same program with the rows alone that F moves: x and u keep the others and limits of jerk, or not."""
         no_jerk = {"q1": self.q1[:, :0], "q2": self.q2[:, :0], "q3": self.q3[..., :0], "jerk": self.jerk[:0]}
         moved = np.any(self.free, axis=(0, 2))
-        return self.only(moved, **no_jerk, joints=(), gram=self.gram[:, :0], bound=self.bound[:, :0])
+        return self.only(moved, **no_jerk, jerk_names=(), gram=self.gram[:, :0], bound=self.bound[:, :0])
 
     def only(self, chosen: NDArray[np.bool_], **changes: Any) -> Self:
         """The same program with some of the rows, and other changes."""
@@ -138,44 +133,43 @@ class SmoothProgram:
         jerks: Array = (self.q1[ends] * slope + 3 * self.q2[ends] * u + self.q3 * x) * np.sqrt(x)
         return jerks
 
-    def effort(self, x: Array, u: Array, free: Array) -> float:
+    def effort(self, profile: "SmoothProfile") -> float:
         """Σ_k ω_k Σ_j weight v² / √x_k, ∫ τᵀWτ dt."""
-        return float(np.sum(self.spacing / np.sqrt(x) * (self.values(x, u, free) ** 2 @ self.weight)))
+        x = profile.x
+        return float(np.sum(self.spacing / np.sqrt(x) * (self.values(x, profile.u, profile.free) ** 2 @ self.weight)))
 
-    def beyond(self, x: Array, u: Array, free: Array) -> tuple[Array, Array, Array]:
+    def beyond(self, profile: "SmoothProfile") -> tuple[Array, Array, Array]:
         """By what share of a limit each is passed, below 0 where it is kept.
 
         Returns:
             Of rows and of cones at the nodes, Shape (n, r + c), infinitely little at nodes without a cone; of changes
             on the segments, Shape (n - 1, r), and of jerks, Shape (n - 1, J).
         """
-        values, z = self.values(x, u, free), np.column_stack([u, x, np.ones(len(x))])
+        x, u = profile.x, profile.u
+        values, z = self.values(x, u, profile.free), np.column_stack([u, x, np.ones(len(x))])
         square = np.einsum("ni,ncij,nj->nc", z, np.broadcast_to(self.gram, (len(x), *self.gram.shape[1:])), z)
         cones = np.sqrt(np.maximum(square, 0.0)) - np.sum(self.bound * z[:, None], axis=2)
         rows = np.concatenate([np.maximum(values - self.upper, self.lower - values), cones], axis=1)
         changes = np.abs(np.diff(values, axis=0)) / (self.change * self.times(x)[:, None]) - 1
         return rows, changes, np.max(np.abs(self.jerks(x, u)), axis=1) / self.jerk - 1
 
-    def binding(self, x: Array, u: Array, free: Array, near: float) -> list[set[str]]:
-        """Names of what is within a share `near` of its limit at an end of every segment or on it."""
-        at, changing, jerking = (passed >= -near for passed in self.beyond(x, u, free))
-        found: list[set[str]] = [set() for _ in self.step]
-        for binds, what, names in (
-            (at[:-1] | at[1:], "", self.names),
-            (changing, "rate of ", self.names),
-            (jerking, "jerk of ", self.joints),
-        ):
+    def binding(self, profile: "SmoothProfile", near: float) -> list[set[RowName]]:
+        """What is within a share `near` of its limit at an end of every segment or on it."""
+        at, changing, jerking = (passed >= -near for passed in self.beyond(profile))
+        found: list[set[RowName]] = [set() for _ in self.step]
+        rates = [name.rate for name in self.names]
+        for binds, names in ((at[:-1] | at[1:], self.names), (changing, rates), (jerking, self.jerk_names)):
             for segment, place in np.argwhere(binds).tolist():
-                found[segment].add(what + names[place])
+                found[segment].add(names[place])
         return found
 
-    def excess(self, x: Array, u: Array, free: Array) -> float:
+    def excess(self, profile: "SmoothProfile") -> float:
         """The most by which a row, a change or a jerk passes its limit, as a share of it; <= 0 if all are kept."""
-        return max(float(np.max(passed, initial=-1.0)) for passed in self.beyond(x, u, free))
+        return float(np.max(np.concatenate([*map(np.ravel, self.beyond(profile))])))
 
     def keeps(self, profile: "SmoothProfile", tolerance: float) -> bool:
         """Whether a profile moves and passes no limit by more than a share of it."""
-        return bool(np.all(profile.x > 0)) and self.excess(profile.x, profile.u, profile.free) <= tolerance
+        return bool(np.all(profile.x > 0)) and self.excess(profile) <= tolerance
 
 
 @dataclass(frozen=True)
@@ -222,9 +216,9 @@ FROM_REST = 1.5
 """|σ̈| of the first two nodes of a path from rest, as a multiple of σ̇² over the length of the path in σ: a constant jerk
 needs 1 there, and more only overstepped limits inside the first segment, whose ends do not show it."""
 
-START = "constant jerk from rest"
+START = RowName("constant jerk from rest")
 
-BETWEEN_NODES = "speed between nodes"
+BETWEEN_NODES = RowName("speed between nodes")
 
 SAME_ROW = 1e-12
 """Share by which the row of a limit may differ from that of a torque whose rate is limited: rounding."""
@@ -260,7 +254,7 @@ def path_program(
             is to be kept in reserve.
     """
     gram, bound, circles = _circles(problems[0])  # they are the same for all loads
-    parts, names, free = list[dict[str, Array]](), list[str](), problems[0].unknowns - 2
+    parts, names, free = list[dict[str, Array]](), list[RowName](), problems[0].unknowns - 2
     for place, problem in enumerate(map(without_polygons, problems)):
         rows, of_load = _load_rows(cell, path, problem, rates, weights, sizes)
         others = place * free, (len(problems) - 1 - place) * free
@@ -288,7 +282,7 @@ def path_program(
         gram=gram,
         bound=bound,
         names=(*names, START, START, BETWEEN_NODES, *circles),
-        joints=tuple(np.array(cell.joint_names)[limited].tolist()),
+        jerk_names=tuple(compress(joint_rows(cell, "jerk", "position_units", "/s³"), np.isfinite(rates.jerk))),
         ends=ends,
         end_free=end_free,
     )
@@ -300,7 +294,7 @@ def without_polygons(problem: SampleProblem) -> SampleProblem:
     return problem if len(kept) == len(problem.names) else problem.only(kept)
 
 
-def _circles(problem: SampleProblem) -> tuple[Array, Array, list[str]]:
+def _circles(problem: SampleProblem) -> tuple[Array, Array, list[RowName]]:
     """The cones of the polygons of a problem, as attributes of `SmoothProgram`, and their names."""
     of_polygons, n = polygons(problem.names), problem.samples
     gram, bound = np.zeros((n, len(of_polygons), 3, 3)), np.zeros((n, len(of_polygons), 3))
@@ -312,7 +306,7 @@ def _circles(problem: SampleProblem) -> tuple[Array, Array, list[str]]:
             if np.all(np.isfinite(limit[:, own]))
         ]
         gram[:, place], bound[:, place] = circle(np.concatenate(sides, axis=1), name.sides)
-    return gram, bound, list(map(str, of_polygons))
+    return gram, bound, list(of_polygons)
 
 
 def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
@@ -329,13 +323,13 @@ def _load_rows(
     rates: RateLimits,
     weights: Array | None,
     sizes: Array | None,
-) -> tuple[dict[str, Array], list[str]]:
+) -> tuple[dict[str, Array], list[RowName]]:
     """Rows of one load as attributes of `SmoothProgram`, with limits of rates and weights of squares, and their names.
 
     A torque or wrench component whose rate or square counts is the row of its own limits, moved by its offset. Where it
     has none, and where another offset would change how fast a row with a limited rate changes, it is one row more.
     """
-    names, r, m = list(map(str, problem.names)), len(problem.unit), len(rates.torque)
+    names, r, m = list(problem.names), len(problem.unit), len(rates.torque)
     at_end = (0, 2 * m + len(rates.wrench))  # room for what is no row yet
     A, unit = np.pad(problem.A, ((0, 0), at_end, (0, 0))), np.pad(problem.unit, at_end, constant_values=1.0)
     lower = np.pad(problem.lower, ((0, 0), at_end), constant_values=-np.inf)
@@ -344,40 +338,38 @@ def _load_rows(
     root[:, :r] = 0.0 if problem.speed is None else problem.speed
     change, weight = np.full(len(unit), np.inf), np.zeros(len(unit))
 
-    def counts(
-        name: str, column: Array, own_root: Array, own: Array, most: float = np.inf, square: float = 0.0
-    ) -> None:
-        row = names.index(name) if name in names else 0
-        moved = own / unit[row] - offset[:, row]
-        alike = np.max(np.abs(A[:, row] * unit[row] - column)) <= SAME_ROW * np.max(np.abs(column))
+    motors, nothing = motor_terms(cell, path), np.zeros_like(problem.wrench_offset)
+    torque_root = np.zeros_like(problem.torque_offset) if problem.torque_speed is None else problem.torque_speed
+    without_dry = problem.torque_offset - (0.0 if motors is None else motors.dry)
+    counted = [*joint_rows(cell, "torque", "torque_units"), *wrench_rows(cell, "wrench")]
+    column = np.concatenate([problem.torque_map, problem.wrench_map], axis=1)
+    own_root, own = np.hstack([torque_root, nothing]), np.hstack([without_dry, problem.wrench_offset])
+    most = np.append(rates.torque, rates.wrench)
+    square = np.zeros_like(most)
+    if weights is not None:  # τᵀWτ, of the torques themselves if W is diagonal, else of Lᵀτ with W = L Lᵀ
+        turn: NDArray[np.floating[Any]] = np.eye(m)
+        squares: Array = np.diag(weights)
+        summed = counted[:m]
+        if np.count_nonzero(weights - np.diag(squares)):
+            turn, squares, summed = np.linalg.cholesky(weights).T, np.ones(m), [RowName("torques in the effort")] * m
+        column, counted = np.concatenate([column, turn @ problem.torque_map], axis=1), [*counted, *summed]
+        own_root, own = np.hstack([own_root, torque_root @ turn.T]), np.hstack([own, problem.torque_offset @ turn.T])
+        most, square = np.append(most, np.full(m, np.inf)), np.append(square, squares)
+    for j in np.flatnonzero(np.isfinite(most) | (square != 0)).tolist():
+        row = names.index(counted[j]) if counted[j] in names else 0
+        moved = own[:, j] / unit[row] - offset[:, row]
+        alike = np.max(np.abs(A[:, row] * unit[row] - column[:, j])) <= SAME_ROW * np.max(np.abs(column[:, j]))
         steady = np.isinf(change[row]) or np.ptp(moved) <= SAME_ROW * np.max(np.abs(moved))
-        if name not in names or not alike or not steady:
+        if counted[j] not in names or not alike or not steady:
             row = len(names)
-            names.append(name)
-            unit[row] = most if np.isfinite(most) else 1.0
-            A[:, row], root[:, row], moved = column / unit[row], own_root / unit[row], own / unit[row]
+            names.append(counted[j])
+            unit[row] = most[j] if np.isfinite(most[j]) else 1.0
+            A[:, row], root[:, row] = column[:, j] / unit[row], own_root[:, j] / unit[row]
+            moved = own[:, j] / unit[row]
         for of in (lower, upper, offset):
             of[:, row] += moved
-        change[row] = min(change[row], most / unit[row])
-        weight[row] += square * unit[row] ** 2
-
-    torque, torque_offset, nothing = problem.torque_map, problem.torque_offset, np.zeros(path.samples)
-    torque_root = np.zeros_like(torque_offset) if problem.torque_speed is None else problem.torque_speed
-    joints, components = joint_rows(cell, "torque", "torque_units"), wrench_rows(cell, "wrench")
-    motors = motor_terms(cell, path)
-    without_dry = torque_offset if motors is None else torque_offset - motors.dry
-    for j in np.flatnonzero(np.isfinite(rates.torque)):
-        counts(str(joints[j]), torque[:, j], torque_root[:, j], without_dry[:, j], rates.torque[j])
-    for j in np.flatnonzero(np.isfinite(rates.wrench)):
-        counts(str(components[j]), problem.wrench_map[:, j], nothing, problem.wrench_offset[:, j], rates.wrench[j])
-    if weights is not None:  # τᵀWτ, of the torques themselves if W is diagonal, else of Lᵀτ with W = L Lᵀ
-        diagonal = np.diag(weights)
-        if np.count_nonzero(weights - np.diag(diagonal)):
-            turn, diagonal, joints = np.linalg.cholesky(weights).T, np.ones(m), ()
-            torque, torque_root, torque_offset = turn @ torque, torque_root @ turn.T, torque_offset @ turn.T
-        for place, square in enumerate(diagonal):
-            name = str(joints[place]) if joints else ""
-            counts(name, torque[:, place], torque_root[:, place], torque_offset[:, place], square=square)
+        change[row] = min(change[row], most[j] / unit[row])
+        weight[row] += square[j] * unit[row] ** 2
     rows = {"square": A[:, :, -1], "rate": A[:, :, -2], "free": A[:, :, :-2], "root": root, "offset": offset}
     rows |= {"lower": lower, "upper": upper, "change": change[None], "weight": weight[None]}
     rows["sizes"] = np.pad(np.zeros((2, r)) if sizes is None else sizes, ((0, 0), at_end))

@@ -175,7 +175,7 @@ def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
     """What a profile costs: the weighted sum of its duration, its effort and its jumps of u."""
     spent = goal.time * float(np.sum(program.times(profile.x)))
     if goal.effort > 0:
-        spent += goal.effort * program.effort(profile.x, profile.u, profile.free)
+        spent += goal.effort * program.effort(profile)
     return spent + goal.uneven * _jumps(program, profile)
 
 

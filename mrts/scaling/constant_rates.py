@@ -103,7 +103,7 @@ class RatedFactors:
         self.programs = [path_program(cell, motion, [problem], changes) for problem in self.problems]
         self.limits_changes = bool(np.any(np.isfinite(self.programs[0].change)))
         limits = (*rates.torque.tolist(), *rates.wrench.tolist())
-        self.rates = {str(name): (name, limit) for name, limit in zip((*names[0], *names[1]), limits, strict=True)}
+        self.rates = dict(zip((*names[0], *names[1]), limits, strict=True))
         third = third_derivatives(self.programs[0].step, motion.dq, motion.ddq)
         self.by_jerk = self._end_by_jerk(third / rates.jerk, names[2], rates.jerk)
 
@@ -155,7 +155,7 @@ class RatedFactors:
 
     def _least(self, load: int, c: float) -> FactorAsked:
         program = _with_margins(self.programs[load], 3 * RATE_MARGIN)
-        found = KernelSolver().least_rates(program, np.full(program.nodes, c * c))
+        found = KernelSolver().least_rates(program, np.full(len(program.square), c * c))
         if found is None:
             raise SolverError(f"what the rates admit at c = {c:.6g} was not found.")
         share, rows, changes = found
@@ -206,8 +206,8 @@ class RatedFactors:
         limited = np.flatnonzero(np.isfinite(program.change))
         rates = []
         for side, place in np.argwhere(asked.changes[:, segment] > least).tolist():
-            name, limit = self.rates[f"{program.names[limited[place]]} rate"]
-            rates.append(ActiveRow.of(name, -limit, limit, at_upper=side == 0))
+            name = program.names[limited[place]].rate
+            rates.append(ActiveRow.of(name, -self.rates[name], self.rates[name], at_upper=side == 0))
         limits = [problem.active_row(row, upper=side == 0) for side, row in np.argwhere(at_ends > least).tolist()]
         named = tuple(dict.fromkeys((*rates, *limits)))
         return RangeEnd(asked.c**2, segment, float(self.time[segment]), named, self.loads[asked.load])

@@ -17,7 +17,6 @@ from mrts.motion.object_courses import PoseSplines, ProfiledPath
 from mrts.program.between_samples import BETWEEN, COARSE, Excess, RowOrFinder
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
-from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -229,8 +228,8 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
         thirds = np.stack([part.third[inside - 1, 1], part.third[inside, 0]])[:, :, limited]
         jerk = path.dq[:, limited] * slope + 3 * path.ddq[:, limited] * u[:, None] + thirds * x[:, None]
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / part.program.jerk - 1)
-        names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]
-        row_at.append(lambda row, **_side: ActiveRow(names[row], "upper", float(part.program.jerk[row])))
+        program = part.program
+        row_at.append(lambda row, **_side: ActiveRow(program.jerk_names[row], "upper", float(program.jerk[row])))
     rows = motion_rows(timed.cell, path, timed.options.sharing, circles=True)
     for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]

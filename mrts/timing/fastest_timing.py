@@ -15,7 +15,7 @@ from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import RowName, rows_text
-from mrts.program.infeasibility import Conflict, find_conflicts
+from mrts.program.infeasibility import Conflict, conflicts_at, find_conflicts
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -42,17 +42,8 @@ UNBOUNDED_SHARE = 0.5
 STUCK = 1e6
 """A segment that takes this many times as long as most others takes no finite time, but for rounding."""
 
-SLOWEST = 1e-6
-"""Least speed squared at which rows with terms in √x are looked at, of one that moves a row by its limit."""
-
-FASTEST = 10.0
-"""The largest, likewise."""
-
-TRIED = 48
-"""How many there are, beside standstill."""
-
 REACHED = 3
-"""Speeds at the next sample, from the least to the largest, that are looked at with each of them."""
+"""Speeds at the next sample, from the least to the largest, that are looked at where rows have terms in √x."""
 
 
 def fastest_timing(
@@ -250,15 +241,7 @@ def _of_timing(timed: RetimingResult) -> SpeedAnswer:
 
 def sample_conflict(problem: SampleProblem, time: float, sample: int, x: float | None = None) -> Conflict | None:
     """The limits that no wrenches, u and x keep at one sample, at a time [s]; None if some do. x may be given."""
-    if problem.speed is not None:
-        tried = _tried(problem, sample) if x is None else np.array([x])
-        return _least(_conflicts(_at_speeds(problem, sample, tried), time))
-    here = problem.at(np.array([sample]))
-    if x is not None:
-        column = np.zeros(problem.unknowns)
-        column[-1] = 1.0
-        here = _with_law(here, RowName("speed", element="here"), column, x, x)
-    return _conflicts(here, time)[0]
+    return _least(problem.at(np.array([sample])), time, x)
 
 
 def segment_conflict(
@@ -271,83 +254,48 @@ def segment_conflict(
 ) -> Conflict | None:
     """The limits of both ends of a segment that no u and x keep, if x at its end is to be in the reach.
 
-    Rows are of [F, u, x] at N samples; x at the start may be given.
+    Rows are of [F, u, x] at N samples; x at the start may be given. Unknowns are F here, F there, x there and x here,
+    and 2 step u is what x rises by. Where rows have terms in √x, x there is looked at by itself.
     """
-    if problem.speed is not None:
-        return _at_pairs(problem, time, sample, step, reach, x)
     here, there = problem.at(np.array([sample])), problem.at(np.array([sample + 1]))
-    free = problem.unknowns - 2
+    free, by_rise = problem.unknowns - 2, 1 / (2 * step)
     none = np.zeros((1, problem.A.shape[1], free))
-    of_end = np.stack([there.rate + 2 * step * there.square, there.square], axis=2)  # there x is that of here + 2 h u
-    both = replace(here, A=np.concatenate([here.A[:, :, :free], none, here.A[:, :, -2:]], axis=2)).with_rows(
+    at_start = np.stack([by_rise * here.rate, here.square - by_rise * here.rate], axis=2)
+    at_end = np.stack([there.square + by_rise * there.rate, -by_rise * there.rate], axis=2)
+    both = replace(here, A=np.concatenate([here.A[:, :, :free], none, at_start], axis=2)).with_rows(
         problem.names,
-        A=np.concatenate([none, there.A[:, :, :free], of_end], axis=2),
+        A=np.concatenate([none, there.A[:, :, :free], at_end], axis=2),
         **{name: getattr(there, name) for name in (*OF_ROWS, "lower", "upper")},
     )
-    column = np.zeros(2 * free + 2)
-    column[-1] = 1.0
-    if x is not None:
-        both = _with_law(both, RowName("speed", element="here"), column, x, x)
-    column[-2] = 2 * step
-    both = _with_law(both, RowName("speed", element="at the next sample"), column, *reach)
-    return _conflicts(both, time)[0]
+    if here.speed is None or there.speed is None:
+        return _least(_with_law(both, RowName("speed", element="at the next sample"), *reach), time, x)
+    ends = np.linspace(*reach, REACHED)[:, None]
+    given = both.A[:, :, -2] * ends + np.concatenate([0 * here.speed, there.speed], axis=1) * np.sqrt(ends)
+    each = both.at(np.zeros(REACHED, dtype=int))
+    A, lower, upper = np.delete(each.A, -2, axis=2), each.lower - given, each.upper - given
+    return _least(replace(each, A=A, lower=lower, upper=upper), time, x)
 
 
-def _conflicts(problem: SampleProblem, time: float) -> list[Conflict | None]:
+def _least(problem: SampleProblem, time: float, x: float | None) -> Conflict | None:
+    """What conflicts where limits pass each other least; None where some hold together. x may be given."""
     count = problem.samples
-    return find_conflicts(problem, np.full(count, time), np.arange(count), DEFAULT_SOLVER)
-
-
-def _tried(problem: SampleProblem, sample: int) -> Array:
-    """Speeds squared at which rows with a term in √x are looked at: from standstill to where they end, Shape (p,)."""
-    root = np.zeros(1) if problem.speed is None else problem.speed[sample]
-    size = [float(np.max(np.abs(problem.square[sample]))), float(np.max(np.abs(root))) ** 2]
-    likely = [1 / one for one in size if one > 0]
-    ladder = np.geomspace(SLOWEST * min(likely), FASTEST * max(likely), TRIED)
-    return np.append(0.0, ladder[ladder <= problem.cap()[sample]])
-
-
-def _at_speeds(problem: SampleProblem, sample: int, x: Array) -> SampleProblem:
-    """One sample's rows where x, Shape (p,), is given; its unknown is left and has no effect."""
-    here = problem.at(np.full(len(x), sample))
-    lower, upper = here.limits_at(x[:, None])
-    A = here.A.copy()
-    A[:, :, -1] = 0.0
-    return replace(here, A=A, lower=lower, upper=upper, speed=None)
-
-
-def _least(found: list[Conflict | None]) -> Conflict | None:
-    conflicts = [one for one in found if one is not None]
+    if x is None:
+        found = find_conflicts(problem, np.full(count, time), np.arange(count), DEFAULT_SOLVER)
+    else:
+        found = conflicts_at(problem, np.full(count, x), np.full(count, time), DEFAULT_SOLVER)
+    conflicts = [replace(one, c2=None) for one in found if one is not None]  # x is none of the given motion's c²
     return None if len(conflicts) < len(found) else min(conflicts, key=attrgetter("widening"))
 
 
-def _at_pairs(
-    problem: SampleProblem, time: float, sample: int, step: float, reach: tuple[float, float], x: float | None
-) -> Conflict | None:
-    """`segment_conflict` where rows have terms in √x: with x given at both ends, u is known, and each is by itself."""
-    starts = _tried(problem, sample) if x is None else np.array([x])
-    pairs = np.array([(start, end) for start in starts for end in np.linspace(*reach, REACHED)])
-    u = (pairs[:, 1] - pairs[:, 0]) / (2 * step)
-    ends = []
-    for place in (0, 1):
-        rows = _at_speeds(problem, sample + place, pairs[:, place])
-        given, A = rows.rate * u[:, None], rows.A.copy()
-        A[:, :, -2] = 0.0
-        ends.append(_conflicts(replace(rows, A=A, lower=rows.lower - given, upper=rows.upper - given), time))
-    worse = (max(filter(None, pair), key=attrgetter("widening"), default=None) for pair in zip(*ends, strict=True))
-    return _least([*worse])
-
-
-def _with_law(problem: SampleProblem, name: RowName, column: Array, lower: float, upper: float) -> SampleProblem:
-    """One sample's rows with one more, which is no limit that could move outward."""
-    size = max(abs(lower), abs(upper)) or 1.0
-    no = np.zeros(1, dtype=bool)
+def _with_law(problem: SampleProblem, name: RowName, lower: float, upper: float) -> SampleProblem:
+    """One sample's rows with one more of the last unknown but one, which is no limit that could move outward."""
+    size, no = max(abs(lower), abs(upper)) or 1.0, np.zeros(1, dtype=bool)
     return problem.with_rows(
         [name],
         unit=np.array([size]),
         is_limit=no,
         is_cap=no,
-        A=column[None, None] / size,
+        A=np.eye(problem.unknowns)[None, -2:-1] / size,
         lower=np.array([[lower / size]]),
         upper=np.array([[upper / size]]),
         limit_lower=np.array([lower]),

@@ -236,15 +236,15 @@ class RetimingResult(Result):
         return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))
 
     @cached_property
-    def segment_limits(self) -> list[tuple[tuple[ActiveRow | str, ...], float]]:
+    def segment_limits(self) -> list[tuple[tuple[ActiveRow | RowName, ...], float]]:
         """What limits the speed on every segment between two samples, and the segment's share of the duration.
 
-        Rows; of a smooth timing their names, and those of rates.
+        Rows; of a smooth timing their names.
         """
-        found: list[tuple[tuple[ActiveRow | str, ...], float]] = []
+        found: list[tuple[tuple[ActiveRow | RowName, ...], float]] = []
         for part in self.pieces:
             smooth = part if isinstance(part, SmoothPiece) else None
-            binding: Sequence[Iterable[ActiveRow | str]] = smooth.binding if smooth else self._binding(part)
+            binding: Sequence[Iterable[ActiveRow | RowName]] = smooth.binding if smooth else self._binding(part)
             shares = (part.segment_times / new_times(self.pieces)[-1]).tolist()
             found += [(tuple(sorted(rows, key=str)), share) for rows, share in zip(binding, shares, strict=True)]
         return found
@@ -259,7 +259,7 @@ class RetimingResult(Result):
         shares = dict.fromkeys((use.name for use in self.uses), 0.0)
         for told, share in self.segment_limits:  # the two sides of a row apart: both do not bind at once
             for name in shares:
-                shares[name] += share * _limits(name, told)
+                shares[name] += share * any((row if isinstance(row, RowName) else row.name) == name for row in told)
         return sorted((name for name in shares if shares[name] > 0), key=lambda name: -shares[name])
 
     def _binding(self, part: TimedPiece) -> list[set[ActiveRow]]:
@@ -352,10 +352,3 @@ def best_factor(cell: Cell, motion: CoordinatedMotion, options: Options) -> Scal
         if error.result is None:
             raise
         return error.result
-
-
-def _limits(name: RowName, told: Sequence[ActiveRow | str]) -> bool:
-    """Whether a row limits a timing; a smooth one names `rate of left/elbow torque` for its torque rate."""
-    text, kind = str(name), name.kind.split()[-1]
-    rate = f"{kind} of {text.removesuffix(f' {kind}')}" if kind in {"rate", "jerk"} else text
-    return any(of in {text, rate} if isinstance(of, str) else of.name == name for of in told)

@@ -28,7 +28,7 @@ from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing, without_sharp_turns
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.result import RetimingResult, RetimingStatus, best_factor
+from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import retimed_motion, smooth_torques
 from mrts.timing.smooth_timing import smooth_timing
 
@@ -117,8 +117,7 @@ def retime(
         first = divided if divided.pieces else first
     fastest = refined_timing(first, partial(fastest_timing, asked), options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
-        unrated = best_factor(cell, given, replace(options, rates=None))
-        found = smooth_timing(fastest, unrated, kept, goal, progress)
+        found = smooth_timing(fastest, kept, goal, progress)
         return _played(found, partial(motion_remarks, cell, given, given)) if found.pieces else found
     if first.duration is None or fastest.duration is None:
         return fastest

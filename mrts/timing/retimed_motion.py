@@ -14,6 +14,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coord
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.binding import filled, structure
 from mrts.kernel.cell_library import CellLibrary
+from mrts.limits.rows import RowName
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motion_rows import travel_directions
 from mrts.program.smooth_program import SmoothProgram
@@ -102,10 +103,9 @@ class SmoothPiece(TimedPiece):
         return inside, segment, place, x, start + change * place
 
     @property
-    def binding(self) -> list[set[str]]:
-        """Names of the limits that bind on every segment."""
-        profile = self.steps.best
-        return self.program.binding(profile.x, profile.u, profile.free, BINDING)
+    def binding(self) -> list[set[RowName]]:
+        """The limits that bind on every segment."""
+        return self.program.binding(self.steps.best, BINDING)
 
 
 def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> TimedPiece:

@@ -21,7 +21,6 @@ from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfileError, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
-from mrts.scaling.result import ScalingResult
 from mrts.timing.between_samples import refined_timing
 from mrts.timing.path_pieces import STRIDE, PathPiece, smooth_nodes, smooth_pieces, stops
 from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
@@ -100,14 +99,11 @@ class _Part:
     likely: Array
 
 
-def smooth_timing(
-    bare: RetimingResult, unrated: ScalingResult, rates: RateLimits, goal: Goal, progress: Progress
-) -> RetimingResult:
+def smooth_timing(bare: RetimingResult, rates: RateLimits, goal: Goal, progress: Progress) -> RetimingResult:
     """The best timing within limits of rates, which hold between its nodes too.
 
     Args:
         bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
-        unrated: The best constant factor without them.
         rates: Limits of rates.
         goal: What is the best.
         progress: Told how many of how many steps are done.
@@ -116,21 +112,24 @@ def smooth_timing(
         InputError: If the least energy is asked for of a motion that stops on its way.
         SolverError: If no solver answers.
     """
+    usual = float(bare.motion.object.time[-1]) if bare.duration is None else bare.duration
     question = SmoothQuestion(
         bare,
         rates,
         goal,
-        _usual(bare, unrated),
+        usual,
         torque_weights(bare.options.weights, bare.cell),
         given_sizes(bare.cell, bare.motion) if bare.options.distribute == "reserve" else None,
         KernelSolver(),
         [int(np.argmax(np.array(bare.loads)[:, 0]))],
         progress,
     )
-    nodes = smooth_nodes(bare.cell, unrated.motion, bare.end_speeds)
+    nodes = smooth_nodes(bare.cell, bare.given, bare.end_speeds)
     coarse = timing_at_nodes(question, nodes)
     if coarse.status is RetimingStatus.RATES_TOO_SMALL:  # they may slow it down by far: by how much takes longer to ask
-        question = replace(question, usual=_usual(bare, bare.factor))
+        best = bare.factor
+        slower = None if best.status is RangeStatus.UNBOUNDED else best.duration
+        question = replace(question, usual=slower or usual)
         coarse = timing_at_nodes(question, nodes)
     found = refined_timing(coarse, partial(timing_at_nodes, question), bare.options.between)
     gains, least = list[float | None](), 0.0
@@ -146,12 +145,6 @@ def smooth_timing(
         fastest=bare.pieces,
     )
     return replace(found, smooth=answer)
-
-
-def _usual(bare: RetimingResult, best: ScalingResult) -> float:
-    if best.duration is None or best.status is RangeStatus.UNBOUNDED:
-        return float(bare.motion.object.time[-1]) if bare.duration is None else bare.duration
-    return best.duration
 
 
 def timing_at_nodes(
@@ -238,7 +231,7 @@ def _timed(question: SmoothQuestion, part: _Part) -> tuple[SmoothProgram, StepsT
 def _widening(program: SmoothProgram, profile: SmoothProfile) -> float:
     """The share of limits by which those of some node must widen to admit wrenches, whatever these do elsewhere."""
     rows, free = program.free.shape[1:]
-    given = program.values(profile.x, profile.u, np.zeros((program.nodes, free)))
+    given = program.values(profile.x, profile.u, np.zeros((len(profile.x), free)))
     limits = program.lower - given, program.upper - given
     anywhere, all_rows = np.full(free, -np.inf), np.ones(rows, dtype=bool)
     what = "by how much a corner's limits are passed"

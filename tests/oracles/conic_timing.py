@@ -171,7 +171,7 @@ def best(program, around, goal):
 def effort(program, linear, above, y):
     """Σ ω weight (linear + root √x)² / √x, with root² √x by its tangent."""
     by = np.sqrt(program.weight)
-    squares = [cp.quad_over_lin(cp.multiply(by, linear[k]), y[k]) for k in range(program.nodes)]
+    squares = [cp.quad_over_lin(cp.multiply(by, linear[k]), y[k]) for k in range(len(program.square))]
     spacing = program.spacing[:, None]
     crossed = cp.sum(cp.multiply(2 * spacing * program.weight * program.root, linear))
     rest = cp.sum(cp.multiply(spacing * (program.root**2 @ program.weight)[:, None], above))

@@ -68,7 +68,7 @@ def test_a_step_is_clarabels(kind):
         assert (ours is None) == (theirs is None)
         if ours is None:
             continue
-        assert program.excess(ours.x, ours.u, ours.free) <= KEPT
+        assert program.excess(ours) <= KEPT
         reached = (*ours.x[[0, -1]], *ours.free[[0, -1]])
         for given, found in zip((*program.ends, *program.end_free), reached, strict=True):
             assert given is None or np.array_equal(given, found)
@@ -108,11 +108,12 @@ def test_torques_are_clarabels(kind):
             ours = solver.torques(program, profile.x, profile.u)
             theirs = ConicSolver.torques(program, profile.x, profile.u)
             assert ours is not None
-            assert program.excess(profile.x, profile.u, ours) <= KEPT
-            effort = program.effort(profile.x, profile.u, ours)
-            assert effort <= program.effort(profile.x, profile.u, profile.free) * (1 + AGREES)
+            with_ours = replace(profile, free=ours)
+            assert program.excess(with_ours) <= KEPT
+            effort = program.effort(with_ours)
+            assert effort <= program.effort(profile) * (1 + AGREES)
             if theirs is not None:
-                assert effort <= program.effort(profile.x, profile.u, theirs) * (1 + close)
+                assert effort <= program.effort(replace(profile, free=theirs)) * (1 + close)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -123,7 +124,7 @@ def test_what_is_foreseen_is_where_steps_end(kind):
         foreseen = solver.step(program, base.x, goal, moving=True)
         if foreseen is None:
             continue
-        assert program.excess(foreseen.x, foreseen.u, foreseen.free) <= KEPT
+        assert program.excess(foreseen) <= KEPT
         best = cost(program, foreseen, goal)
         after = solver.step(program, foreseen.x, goal)
         assert best * (1 - FORESEEN) <= cost(program, after, goal) <= best * (1 + AGREES)
@@ -187,7 +188,7 @@ def test_rates_are_passed_by_the_least_share(kind):
     for program, base, _ in programs(kind, 2, 8):
         found, share = solver.nearest(program, base.x)
         assert share <= KEPT
-        assert program.excess(found.x, found.u, found.free) <= KEPT
+        assert program.excess(found) <= KEPT
         small = replace(program, change=program.change / 1e3, jerk=program.jerk / 1e3)
         ours, theirs = solver.nearest(small, base.x), ConicSolver.nearest(small, base.x)
         assert (ours is None) == (theirs is None)
