@@ -40,14 +40,12 @@ class StepsTaken:
     Attributes:
         profile: The last profile.
         best: The last that is the best one, before any room was given: what binds there limits the speed.
-        costs: Cost of every profile in turn, falling.
         gain: Share of the cost by which the last step lowered it, 0 where it did not; None where no solver took it.
         shares: The largest share of any limit that the profile uses at each node, where room was made, Shape (n,).
     """
 
     profile: SmoothProfile
     best: SmoothProfile
-    costs: tuple[float, ...]
     gain: float | None
     shares: Array | None = None
 
@@ -112,9 +110,9 @@ def _played(
         if spacious is not None:
             free, shares = spacious.free[:, :-1], spacious.free[:, -1]  # the last is s
             return replace(best, profile=replace(spacious, free=free), shares=shares)
-    uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
+    uneven = EVEN * cost(program, best.profile, goal) / max(_jumps(program, best.profile), np.finfo(float).tiny)
     even = _descent(program, best.profile, replace(goal, uneven=uneven), solver, told)
-    return StepsTaken(even.profile, even.profile, (*best.costs, *even.costs[1:]), best.gain)
+    return replace(even, gain=best.gain)
 
 
 def _descent(
@@ -126,18 +124,18 @@ def _descent(
     enough: float = 0.0,
 ) -> StepsTaken:
     """Steps from an admissible profile until one gains little, or its cost is low enough."""
-    costs, gain = [cost(program, found, goal)], 1.0
-    told(1)
-    while len(costs) < MOST_STEPS and costs[-1] > enough and gain >= CONVERGED:
+    spent, gain, steps = cost(program, found, goal), 1.0, 1
+    told(steps)
+    while steps < MOST_STEPS and spent > enough and gain >= CONVERGED:
         better = solver.step(program, found.x, goal)
         if better is None:
-            return StepsTaken(found, found, tuple(costs), None)
-        gain = max(1 - cost(program, better, goal) / costs[-1], 0.0)
+            return StepsTaken(found, found, None)
+        after = cost(program, better, goal)
+        gain = max(1 - after / spent, 0.0)
         if gain > 0:
-            found = better
-            costs.append(cost(program, found, goal))
-            told(len(costs))
-    return StepsTaken(found, found, tuple(costs), gain)
+            found, spent, steps = better, after, steps + 1
+            told(steps)
+    return StepsTaken(found, found, gain)
 
 
 def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile:

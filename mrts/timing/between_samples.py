@@ -221,14 +221,13 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
         carried += part.carried
     over: list[Array] = []
     row_at: list[Callable[..., ActiveRow]] = []
-    rates = timed.options.rates
-    limited = np.zeros(0, dtype=int) if rates is None else np.flatnonzero(np.isfinite(rates.jerk))
-    if limited.size:
+    rates, program = timed.options.rates, part.program
+    if rates is not None and program.jerk.size:
+        limited = np.isfinite(rates.jerk)
         slope = (np.diff(part.rates)[segment, 0] / part.piece.step[segment])[:, None]
         thirds = np.stack([part.third[inside - 1, 1], part.third[inside, 0]])[:, :, limited]
         jerk = path.dq[:, limited] * slope + 3 * path.ddq[:, limited] * u[:, None] + thirds * x[:, None]
-        over.append(np.abs(jerk) * np.sqrt(x)[:, None] / part.program.jerk - 1)
-        program = part.program
+        over.append(np.abs(jerk) * np.sqrt(x)[:, None] / program.jerk - 1)
         row_at.append(lambda row, **_side: ActiveRow(program.jerk_names[row], "upper", float(program.jerk[row])))
     rows = motion_rows(timed.cell, path, timed.options.sharing, circles=True)
     for load, free in zip(loads, carried, strict=True):

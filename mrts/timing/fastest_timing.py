@@ -33,7 +33,7 @@ from mrts.timing.fastest_profile import (
 )
 from mrts.timing.path_pieces import PathError, PathPiece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus, best_factor
-from mrts.timing.retimed_motion import TimedPiece, fastest_piece
+from mrts.timing.retimed_motion import TimedPiece
 from mrts.timing.successive_profiles import successive_profiles
 
 UNBOUNDED_SHARE = 0.5
@@ -151,7 +151,10 @@ class _Search:
         stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
         if not np.any(stuck):
             rises = not self.rows.has_speed_terms
-            return fastest_piece(self.piece, rising_profile(found, self.piece.step, self.ends) if rises else found)
+            profile = rising_profile(found, self.piece.step, self.ends) if rises else found
+            mean, half = np.diff(profile.x) / (2 * self.piece.step), profile.rise / 2
+            rates = np.column_stack([mean - half, mean + half])
+            return TimedPiece(piece=self.piece, x=profile.x, rates=rates, profile=profile)
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
         upper = best_factor(self.asked.cell, self.asked.given, self.asked.options).range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."

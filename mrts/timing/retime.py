@@ -117,7 +117,7 @@ def retime(
         first = divided if divided.pieces else first
     fastest = refined_timing(first, partial(fastest_timing, asked), options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
-        found = smooth_timing(fastest, kept, goal, progress)
+        found = smooth_timing(fastest, goal, progress)
         return _played(found, partial(motion_remarks, cell, given, given)) if found.pieces else found
     if first.duration is None or fastest.duration is None:
         return fastest

@@ -108,12 +108,6 @@ class SmoothPiece(TimedPiece):
         return self.program.binding(self.steps.best, BINDING)
 
 
-def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> TimedPiece:
-    """A piece of n samples with its fastest profile."""
-    mean, half = np.diff(profile.x) / (2 * piece.step), profile.rise / 2
-    return TimedPiece(piece=piece, x=profile.x, rates=np.column_stack([mean - half, mean + half]), profile=profile)
-
-
 def new_times(pieces: Sequence[TimedPiece]) -> Array:
     """Times of all samples of a path in pieces, Shape (N,) [s]."""
     times: Array = np.cumsum(np.concatenate([[0.0], *(part.segment_times for part in pieces)]))

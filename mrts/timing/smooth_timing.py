@@ -14,7 +14,6 @@ from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_solver import KEPT, KernelSolver
 from mrts.program.range_status import RangeStatus
-from mrts.program.rate_limits import RateLimits
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path_program
@@ -39,7 +38,6 @@ class SmoothQuestion:
 
     Attributes:
         bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
-        rates: Limits of rates.
         goal: What is the best.
         usual: A duration of the size of the answer, whatever the given one is: what σ is measured in [s].
         weights: W of the effort, Shape (m, m).
@@ -51,7 +49,6 @@ class SmoothQuestion:
     """
 
     bare: RetimingResult
-    rates: RateLimits
     goal: Goal
     usual: float
     weights: Array
@@ -62,12 +59,13 @@ class SmoothQuestion:
 
     def program(self, part: "_Part", chosen: list[int], weights: Array | None) -> SmoothProgram:
         """Limits of a piece for some of its loads, with the wrenches that are given at its ends."""
-        start, end = part.held
+        (start, end), rates = part.held, self.bare.options.rates
+        assert rates is not None  # noqa: S101 (only then is a timing smooth)
         return path_program(
             self.bare.cell,
             part.piece.path,
             [part.problems[place] for place in chosen],
-            self.rates,
+            rates,
             weights,
             part.ends,
             (None if start is None else start[chosen].ravel(), None if end is None else end[chosen].ravel()),
@@ -99,12 +97,12 @@ class _Part:
     likely: Array
 
 
-def smooth_timing(bare: RetimingResult, rates: RateLimits, goal: Goal, progress: Progress) -> RetimingResult:
+def smooth_timing(bare: RetimingResult, goal: Goal, progress: Progress) -> RetimingResult:
     """The best timing within limits of rates, which hold between its nodes too.
 
     Args:
-        bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
-        rates: Limits of rates.
+        bare: The fastest timing without limits of rates, which are in its options; nothing bounds it, or it has a
+            duration.
         goal: What is the best.
         progress: Told how many of how many steps are done.
 
@@ -115,7 +113,6 @@ def smooth_timing(bare: RetimingResult, rates: RateLimits, goal: Goal, progress:
     usual = float(bare.motion.object.time[-1]) if bare.duration is None else bare.duration
     question = SmoothQuestion(
         bare,
-        rates,
         goal,
         usual,
         torque_weights(bare.options.weights, bare.cell),
