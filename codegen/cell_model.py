@@ -6,13 +6,13 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from mrts_codegen.joint_limits import add_joint_limits
 from mrts_codegen.object_shape import build_shape, build_surroundings, check_contact_normals
 from mrts_codegen.urdf.held_joints import check_machines, held_positions
-from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
+from mrts_codegen.urdf.robot_model import BuiltRobot, Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
 from mrts.base.arrays import Array
@@ -37,15 +37,6 @@ from mrts.cell.robot import Robot, RobotSource, check_plane_kept
 
 PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
 """Which rows of a wrench or twist [x, y, z, about x, about y, about z] a cell uses, by its `plane`."""
-
-
-class BuiltRobot(NamedTuple):
-    """One arm as a cell file and its URDF give it; remarks say where values are from."""
-
-    robot: Robot
-    model: RobotModel
-    urdf: Urdf
-    remarks: tuple[Remark, ...]
 
 
 @dataclass(frozen=True)
@@ -111,11 +102,10 @@ def read_cell(path: Path) -> tuple[CellModel | None, tuple[InputError, ...]]:
 
 def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
     """Check every robot by itself in a file that does not describe a cell."""
-    robots = data.get("robots") if isinstance(data, dict) else None
-    plane = data.get("plane") if isinstance(data, dict) else None
-    lenient = isinstance(data, dict) and data.get("inertia") == "lenient"
-    known = (plane is None or isinstance(plane, str)) and plane in PLANE_COMPONENTS
-    for index, entry in enumerate(robots if known and isinstance(robots, list) else []):
+    if not isinstance(data, dict) or not isinstance(data.get("robots"), list):
+        return
+    plane, lenient = data.get("plane"), data.get("inertia") == "lenient"
+    for index, entry in enumerate(data["robots"] if plane in [*PLANE_COMPONENTS] else []):
         if not isinstance(entry, dict):
             continue
         try:
@@ -123,8 +113,7 @@ def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
         except InputError:  # it has been noted with its place in the file
             continue
         with mistakes.noted():
-            key, folder = f"robots[{index}] ({robot.name})", path.resolve().parent
-            build_robot(path, key, robot, plane, folder, lenient=lenient)
+            build_robot(path, index, robot, plane, path.resolve().parent, lenient=lenient)
 
 
 def build_cell_model(path: Path, description: CellDescription, folder: Path | None = None) -> CellModel:
@@ -137,8 +126,8 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     built = list[BuiltRobot]()
     for index, robot in enumerate(description.robots):
         with mistakes.noted():
-            key, lenient = f"robots[{index}] ({robot.name})", description.inertia == "lenient"
-            built.append(build_robot(path, key, robot, description.plane, folder, lenient=lenient))
+            lenient = description.inertia == "lenient"
+            built.append(build_robot(path, index, robot, description.plane, folder, lenient=lenient))
     with mistakes.noted():
         surfaces, inertia, of_object = _build_object(path, folder, carried)
     with mistakes.noted():
@@ -202,9 +191,10 @@ def _build_object(
 
 
 def build_robot(
-    path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path, *, lenient: bool
+    path: Path, index: int, robot: RobotDescription, plane: str | None, folder: Path, *, lenient: bool
 ) -> BuiltRobot:
     """Read the URDF of a robot and check all that the cell file says of it against it."""
+    key = f"robots[{index}] ({robot.name})"
     reference = FileReference(robot.urdf, f"{key}.urdf")
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)
     urdf = parse_urdf(urdf_path, content)

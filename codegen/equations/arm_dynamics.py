@@ -13,15 +13,10 @@ from mrts_codegen.urdf.robot_model import Joint, RobotModel
 from mrts.base.arrays import Array
 
 
-def skew(v: Any) -> Any:
-    """Eq. (7): matrix S(v) with S(v) u = v × u, Shape (3, 3)."""
-    return ca.skew(v)
-
-
 def axis_rotation(axis: Array, angle: Any) -> Any:
     """Rotation by `angle` [rad] about a constant unit `axis`, Shape (3, 3) (Rodrigues' formula)."""
     c, s = ca.cos(angle), ca.sin(angle)
-    cross = skew(ca.SX(np.asarray(axis)))
+    cross = ca.skew(ca.SX(np.asarray(axis)))
     R = s * cross
     for row in range(3):
         for column in range(3):
@@ -111,7 +106,7 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
 def spin(w: Any, dw: Any) -> Any:
     """The matrix of a ↦ ω̇ × a + ω × (ω × a), Shape (3, 3)."""
     products = w @ w.T
-    return skew(dw) + products - ca.trace(products) * ca.SX.eye(3)
+    return ca.skew(dw) + products - ca.trace(products) * ca.SX.eye(3)
 
 
 def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:

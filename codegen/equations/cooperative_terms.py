@@ -2,11 +2,12 @@
 """All terms of the closed chain at one sample of a given motion."""
 
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
-from mrts_codegen.equations.arm_dynamics import block_diagonal, frame_jacobian, scaled_arm_terms
+from mrts_codegen.equations.arm_dynamics import frame_jacobian, scaled_arm_terms
 from mrts_codegen.equations.geometry import Geometry
 from mrts_codegen.equations.object_dynamics import contact_offset, grasp_map, grasp_map_inverse, object_terms
 
@@ -56,12 +57,8 @@ def sample_symbols(cell: CellModel) -> dict[str, Any]:
 
 def split_joints(cell: CellModel, stacked: Any) -> list[Any]:
     """Cut a vector over all joints, Shape (m,), into one piece an arm."""
-    pieces, start = [], 0
-    for model in cell.models:
-        stop = start + len(model.joints)
-        pieces.append(stacked[start:stop])
-        start = stop
-    return pieces
+    ends = accumulate((len(model.joints) for model in cell.models), initial=0)
+    return list(ca.vertsplit(stacked, list(ends)))
 
 
 def cooperative_terms(cell: CellModel, symbols: dict[str, Any], geometry: Geometry) -> CooperativeTerms:
@@ -86,13 +83,3 @@ def cooperative_terms(cell: CellModel, symbols: dict[str, Any], geometry: Geomet
         S=S,
         Q=Q,
     )
-
-
-def inverse_jacobian_transpose(terms: CooperativeTerms) -> Any:
-    """J_D (under (29)): block-diagonal J_i^-T, Shape (n w, m); every J_i must be square."""
-    return block_diagonal([ca.solve(J.T, ca.SX.eye(J.size1())) for J in terms.J])
-
-
-def load_map(terms: CooperativeTerms, J_D: Any) -> Any:
-    """L (above (22)): [B_1 J_1^-T … B_n J_n^-T], Shape (w, m)."""
-    return ca.densify(ca.horzcat(*terms.B) @ J_D)

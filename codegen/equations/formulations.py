@@ -13,7 +13,7 @@ from typing import Any
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.arm_dynamics import block_diagonal
-from mrts_codegen.equations.cooperative_terms import CooperativeTerms, inverse_jacobian_transpose, load_map
+from mrts_codegen.equations.cooperative_terms import CooperativeTerms
 from mrts_codegen.equations.geometry import Geometry
 
 FORMULATION = ("torque_map", "torque_offset", "wrench_map", "wrench_offset", "equality_map", "equality_rhs")
@@ -35,39 +35,34 @@ def wrench_form(terms: CooperativeTerms) -> dict[str, Any]:
     last = terms.B_last_inverse @ ca.horzcat(*(-B for B in terms.B[:-1]), terms.P)
     wrench_map = ca.vertcat(ca.horzcat(ca.SX.eye(w * free), ca.SX.zeros(w * free, 1)), last)
     wrench_offset = ca.vertcat(ca.SX.zeros(w * free), terms.B_last_inverse @ terms.Q)
+    return _of_wrenches(terms, wrench_map, wrench_offset)
+
+
+def _of_wrenches(terms: CooperativeTerms, wrench_map: Any, wrench_offset: Any) -> dict[str, Any]:
+    """Eq. (14): the torques E c² + G + JᵀF of wrenches that are a map of unknowns, c² last."""
     J_T = block_diagonal([J.T for J in terms.J])
     torque_map = J_T @ wrench_map
     torque_map[:, -1] += terms.E
-    return formulation(
-        torque_map,
-        J_T @ wrench_offset + terms.G,
-        wrench_map,
-        wrench_offset,
-    )
+    return formulation(torque_map, J_T @ wrench_offset + terms.G, wrench_map, wrench_offset)
 
 
 def torque_form(terms: CooperativeTerms) -> dict[str, Any]:
-    """Eqs. (21), (22), (23), (27): unknowns [τ, c²] on A_1 x = b_1, A_1 = [L, -P - L E], b_1 = L G + Q.
+    """Eqs. (21), (22), (23), (25), (27), (28): unknowns [τ, c²] on A_1 x = b_1, A_1 = [L, -P - L E], b_1 = L G + Q.
 
-    Every Jacobian must be square and well-conditioned.
+    The wrenches are J_D (τ - E c² - G), so A_2 = [J_D, -J_D E] and the offset -J_D G. Every Jacobian
+    must be square and well-conditioned.
     """
-    J_D = inverse_jacobian_transpose(terms)
-    L = load_map(terms, J_D)
+    J_D = block_diagonal([ca.solve(J.T, ca.SX.eye(J.size1())) for J in terms.J])  # under (29): J_i^-T
+    L = ca.densify(ca.horzcat(*terms.B) @ J_D)
     joints = terms.E.numel()
-    wrench_map, wrench_offset = wrench_of_torque(terms, J_D)
     return formulation(
         ca.horzcat(ca.SX.eye(joints), ca.SX.zeros(joints, 1)),
         ca.SX.zeros(joints),
-        wrench_map,
-        wrench_offset,
+        ca.horzcat(J_D, -J_D @ terms.E),
+        -J_D @ terms.G,
         ca.horzcat(L, -terms.P - L @ terms.E),
         L @ terms.G + terms.Q,
     )
-
-
-def wrench_of_torque(terms: CooperativeTerms, J_D: Any) -> tuple[Any, Any]:
-    """Eqs. (14), (25), (28): F = J_D (τ - E c² - G) as A_2 = [J_D, -J_D E] and the offset -J_D G."""
-    return ca.horzcat(J_D, -J_D @ terms.E), -J_D @ terms.G
 
 
 def fixed_distribution(
@@ -84,13 +79,14 @@ def fixed_distribution(
     """
     wrench_map = _shared_wrench(cell, geometry, terms, shares, terms.P)
     wrench_offset = _shared_wrench(cell, geometry, terms, shares, terms.Q) + internal_wrench
-    J_T = block_diagonal([J.T for J in terms.J])
-    return formulation(
-        J_T @ wrench_map + terms.E,
-        J_T @ wrench_offset + terms.G,
-        wrench_map,
-        wrench_offset,
-    )
+    return _of_wrenches(terms, wrench_map, wrench_offset)
+
+
+def six_components(cell: CellModel, wrench: Any) -> Any:
+    """A wrench with zeros where the cell has no components, Shape (6,)."""
+    full = ca.SX.zeros(6)
+    full[list(cell.components)] = wrench
+    return full
 
 
 def _shared_wrench(cell: CellModel, geometry: Geometry, terms: CooperativeTerms, shares: Any, total: Any) -> Any:
@@ -98,9 +94,7 @@ def _shared_wrench(cell: CellModel, geometry: Geometry, terms: CooperativeTerms,
 
     With α_i = 1/n and Σ r_j = 0 this is (35) as printed. `total` is [f; M] in world axes, Shape (w,).
     """
-    rows = list(cell.components)
-    full = ca.SX.zeros(6)
-    full[rows] = total
+    rows, full = list(cell.components), six_components(cell, total)
     f, M = full[:3], full[3:]
     for index, offset in enumerate(terms.offsets):
         M = M - ca.cross(offset, shares[index] * f)

@@ -4,7 +4,6 @@
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.equations.arm_dynamics import skew
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import LOAD_ENTRIES
@@ -76,7 +75,7 @@ def contact_offset(R_world_object: Any, r_object_tip: Array) -> Any:
 
 
 def grasp_map(offset: Any, R_world_base: Array, components: tuple[int, ...]) -> Any:
-    """Eq. (6): B_i with [force; moment about the com] = B_i F_i, Shape (w, w).
+    """Eqs. (6), (7): B_i with [force; moment about the com] = B_i F_i, of S_i u = r_i × u, Shape (w, w).
 
     Args:
         offset: Contact point minus com in world axes, Shape (3,) [m].
@@ -84,12 +83,12 @@ def grasp_map(offset: Any, R_world_base: Array, components: tuple[int, ...]) -> 
         components: Rows of the six-component wrench in use.
     """
     R = ca.SX(R_world_base)
-    B = ca.vertcat(ca.horzcat(R, ca.SX.zeros(3, 3)), ca.horzcat(skew(offset) @ R, R))
+    B = ca.vertcat(ca.horzcat(R, ca.SX.zeros(3, 3)), ca.horzcat(ca.skew(offset) @ R, R))
     return ca.densify(B[list(components), list(components)])
 
 
 def grasp_map_inverse(offset: Any, R_world_base: Array, components: tuple[int, ...]) -> Any:
     """Inverse of `grasp_map`, exact for every grasp: [Rᵀ, 0; -Rᵀ S, Rᵀ], Shape (w, w)."""
     R = ca.SX(R_world_base)
-    inverse = ca.vertcat(ca.horzcat(R.T, ca.SX.zeros(3, 3)), ca.horzcat(-R.T @ skew(offset), R.T))
+    inverse = ca.vertcat(ca.horzcat(R.T, ca.SX.zeros(3, 3)), ca.horzcat(-R.T @ ca.skew(offset), R.T))
     return ca.densify(inverse[list(components), list(components)])

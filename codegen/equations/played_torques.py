@@ -6,6 +6,7 @@ from typing import Any
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.arm_dynamics import ChainMotion, chain_motion, spin, transmitted_torques
+from mrts_codegen.equations.formulations import six_components
 from mrts_codegen.equations.geometry import Geometry
 from mrts_codegen.equations.object_dynamics import angular_balance, linear_balance, load_inertia
 
@@ -32,7 +33,8 @@ def played_torques(
     """
     moves = zip(geometry.models, q, dq, ddq, geometry.down, strict=True)
     motions = [chain_motion(model, q_i, dq_i, ddq_i, -ca.SX(down)) for model, q_i, dq_i, ddq_i, down in moves]
-    forces, moments = _forces_and_moments(cell, shares)
+    parts = [six_components(cell, part) for part in ca.vertsplit(shares, len(cell.components))]
+    forces, moments = [part[:3] for part in parts], [part[3:] for part in parts]
     lacking_force, lacking_moment = _needed(geometry, motions[0], load)
     count = len(forces)
     for grasp, force, moment in zip(geometry.grasps, forces, moments, strict=True):
@@ -52,16 +54,6 @@ def played_torques(
             both = R @ both
         wrenches.append(ca.vec(both)[rows])
     return ca.vertcat(*torques), ca.vertcat(*wrenches)
-
-
-def _forces_and_moments(cell: CellModel, shares: Any) -> tuple[list[Any], list[Any]]:
-    forces, moments = [], []
-    for part in ca.vertsplit(shares, len(cell.components)):
-        whole = ca.SX.zeros(6)
-        whole[list(cell.components)] = part
-        forces.append(whole[:3])
-        moments.append(whole[3:])
-    return forces, moments
 
 
 def _needed(geometry: Geometry, motion: ChainMotion, load: Any) -> tuple[Any, Any]:

@@ -7,16 +7,12 @@ None of these may move a joint that another moves as well, or takes to stand sti
 from collections.abc import Mapping, Sequence
 from itertools import combinations, permutations
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from mrts_codegen.urdf.robot_model import frame_in_root
+from mrts_codegen.urdf.robot_model import BuiltRobot, frame_in_root
 
 from mrts.base.errors import InputError, did_you_mean
 from mrts.base.formats.urdf import Urdf, UrdfJoint
 from mrts.base.rigid_transform import SAME_PLACE, RigidTransform, in_one_place
-
-if TYPE_CHECKING:
-    from mrts_codegen.cell_model import BuiltRobot
 
 
 def held_positions(path: Path, key: str, urdf_path: Path, urdf: Urdf, fixed: dict[str, float]) -> dict[str, float]:
@@ -61,7 +57,7 @@ def _check_joint(
         raise InputError(path, rule, key=key, value=position)
 
 
-def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str, str], ...]:
+def check_machines(path: Path, arms: Sequence[BuiltRobot]) -> tuple[tuple[str, str], ...]:
     """Check that arms of one machine, one URDF in one place, agree on what moves.
 
     Each arm has joints of its own in the dynamics. A torso that two arms share would be there twice, each copy free to
@@ -78,30 +74,30 @@ def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str,
     return tuple(machines)
 
 
-def _moving(arm: "BuiltRobot") -> dict[str, float]:
+def _moving(arm: BuiltRobot) -> dict[str, float]:
     return dict(zip(arm.robot.joints, arm.robot.posture.tolist(), strict=True))
 
 
-def _still(arm: "BuiltRobot") -> set[str]:
+def _still(arm: BuiltRobot) -> set[str]:
     """Joints that could move, but are taken to stand still by an arm."""
     below = arm.urdf.joints_to(arm.model.tip_link)
     names = {joint.name for joint in below if joint.moves}
     return names.union(arm.robot.held).difference(arm.robot.joints)
 
 
-def _root(arm: "BuiltRobot", positions: Mapping[str, float]) -> RigidTransform:
+def _root(arm: BuiltRobot, positions: Mapping[str, float]) -> RigidTransform:
     """Root of the URDF in the world, where the joints up to the base link stand at given positions."""
     return arm.robot.T_world_base @ frame_in_root(arm.urdf, arm.model.base_link, positions).inverse()
 
 
-def _of_one_machine(first: "BuiltRobot", second: "BuiltRobot") -> bool:
+def _of_one_machine(first: BuiltRobot, second: BuiltRobot) -> bool:
     """Whether two arms of one URDF are of one machine, with the joints between their bases at zero or as postured."""
     held = {**first.robot.held, **second.robot.held}
     moving = {**_moving(first), **_moving(second)}
     return any(in_one_place(_root(first, positions), _root(second, positions)) for positions in (held, moving | held))
 
 
-def _check_pair(path: Path, first: "BuiltRobot", second: "BuiltRobot") -> None:
+def _check_pair(path: Path, first: BuiltRobot, second: BuiltRobot) -> None:
     names = f"'{first.robot.name}' and '{second.robot.name}'"
     machine = f"robots {names} are arms of one machine (one URDF in one place)"
     shared = [name for name in _moving(first) if name in _moving(second)]

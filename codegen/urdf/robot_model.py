@@ -4,7 +4,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mrts_codegen.urdf.link_inertia import Inertia, is_point, link_inertia
@@ -139,6 +139,15 @@ class RobotModel:
         for step in (*(joint.placement for joint in self.joints), self.tip):
             frames.append(frames[-1] @ step)
         return frames[1:]
+
+
+class BuiltRobot(NamedTuple):
+    """One arm as a cell file and its URDF give it; remarks say where values are from."""
+
+    robot: Robot
+    model: RobotModel
+    urdf: Urdf
+    remarks: tuple[Remark, ...]
 
 
 def build_robot_model(

@@ -7,6 +7,7 @@ default. Libraries that read URDFs import all that draws them first: 1 s of each
 
 from collections import Counter
 from functools import lru_cache
+from graphlib import CycleError, TopologicalSorter
 from math import inf, nan
 from pathlib import Path
 from typing import Any
@@ -36,13 +37,8 @@ INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 def parse_urdf(path: Path, content: bytes) -> Urdf:
     """Parse a URDF."""
-    links, joints = parse_parts(path, content)
+    links, joints = _parsed(path, text_of(path, "URDF", content))
     return Urdf(_root_of_tree(path, links, joints), links, {joint.child: joint for joint in joints})
-
-
-def parse_parts(path: Path, content: bytes) -> tuple[dict[str, Link], list[UrdfJoint]]:
-    """Links and joints of a URDF, which need not make a tree."""
-    return _parsed(path, text_of(path, "URDF", content))
 
 
 @lru_cache(maxsize=FILES_KEPT)
@@ -74,14 +70,11 @@ def _root_of_tree(path: Path, links: dict[str, Link], joints: list[UrdfJoint]) -
         if joint.child in parents:
             raise InputError(path, "hangs from two joints; a URDF must be a tree.", key=f"link '{joint.child}'")
         parents[joint.child] = joint.parent
-    first_walk: dict[str, str] = {}  # through each link, by the link where it began
-    for start in links:
-        link = start
-        while link not in first_walk:
-            first_walk[link] = start
-            link = parents.get(link, link)
-        if first_walk[link] == start and link in parents:
-            raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=f"link '{link}'")
+    try:
+        TopologicalSorter({child: [parent] for child, parent in parents.items()}).prepare()
+    except CycleError as error:
+        key = f"link '{error.args[1][0]}'"
+        raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=key) from None
     if not links:
         raise InputError(path, "has no <link>.")
     return next(link for link in links if link not in parents)
@@ -208,7 +201,6 @@ def _attribute(path: Path, element: Any, attribute: str, where: str) -> str:
     return str(value)
 
 
-_COUNTS = {"xyz": 3, "rpy": 3}
 _NAMES = {"link", "joint", "name", "type"}
 
 
@@ -219,7 +211,7 @@ def _check_numbers(path: Path, where: str, element: Any) -> None:
         if attribute in _NAMES:
             continue
         words = text.split()
-        count = _COUNTS.get(attribute, 1)
+        count = 3 if attribute in {"xyz", "rpy"} else 1
         # a limit may be any number: what is too large for a limit means that there is none
         largest = inf if element.tag == "limit" else LARGEST_NUMBER
         try:

@@ -157,7 +157,7 @@ class Programs:
         return x
 
     def _segment_work(self, start: NDArray[np.int64]) -> Array:
-        return np.empty(self._library.mrts_segment_work(2 * int(np.diff(start).max())))
+        return np.empty(8 * (int(np.diff(start).max()) + 1))
 
 
 _of_a_cell: list[Programs] = []

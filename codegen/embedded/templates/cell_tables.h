@@ -16,6 +16,7 @@ static const cell_settings DEFAULTS = {
     {@VISCOUS@},
     @REST@,
     @REST@,
+    CELL_UNLIMITED,
 #if CELL_LINES
     {@SLOPE@},
 #endif
@@ -32,9 +33,6 @@ static const cell_settings DEFAULTS = {
 #if CELL_THINGS
     {@FRICTION@},
     {@TILT@},
-#endif
-#if CELL_MOTORS
-    CELL_UNLIMITED,
 #endif
 };
 static const int row_start[CELL_ROWS + 1] = {@ROW_START@};

@@ -123,7 +123,7 @@ static inline void mrts_add_bound(double u, double x, double h, mrts_bounds *bou
 }
 
 /* The bounds of a segment over (u, x_i), x_i in [low, high]: those of its start, those of its end with x_(i+1) put in, and
- * the interval that x_(i+1) is to reach. `work` is for them all. */
+ * the interval that x_(i+1) is to reach. `work` has 4 reals for each of them all and of the interval's two ends. */
 static inline mrts_bounds mrts_segment(double step, double rise, const double *left, const double *right,
                                        const double *right_end, const double *reach, double low, double high,
                                        double *work) {
@@ -217,9 +217,6 @@ MRTS_EXPORT long long mrts_backward(long long last, const double *step, const do
     }
     return -1;
 }
-
-/* Reals of work of both passes, where no two samples in a row have more than so many half-planes. */
-MRTS_EXPORT long long mrts_segment_work(long long planes) { return 4 * (planes + 2); }
 
 /* Forward: from x[0] the largest controllable speed at each next sample. */
 MRTS_EXPORT void mrts_forward(long long last, const double *step, const double *rise, const long long *start,

@@ -15,11 +15,8 @@
 
 /* { z : lower <= (A z, z) <= upper }, limits of the rows and then of the k unknowns, as a program of mrts_lp has them. */
 typedef struct {
-    int k;
-    int rows;
-    double *A; /* (rows, k) */
-    double *lower;
-    double *upper;
+    int k, rows;
+    double *A, *lower, *upper; /* (rows, k), (rows + k) */
 } mrts_polytope;
 
 #define MRTS_POLYTOPE_WORK(k, rows) ((rows) * (k) + 2 * ((rows) + (k)))
@@ -233,23 +230,15 @@ static int mrts_project(const mrts_polytope *in, mrts_outline *outline, int *cou
  * multiplied by scale, Shape (count, k), and bounds of u and x, the last two of the k unknowns, Shape (count, 2) each. */
 typedef struct {
     long long count;
-    int k;
-    int all;
-    int rows;
+    int k, all, rows;
     const int *which;
-    const double *A;
-    const double *lower;
-    const double *upper;
-    const double *scale;
-    const double *least;
-    const double *most;
+    const double *A, *lower, *upper, *scale, *least, *most;
 } mrts_polytopes;
 
+/* Those of some samples side by side, and what is known of their corners. */
 typedef struct {
     const mrts_polytopes *of;
-    mrts_lanes *A; /* (rows, k) */
-    mrts_lanes *lower;
-    mrts_lanes *upper;
+    mrts_lanes *A, *lower, *upper; /* (rows, k), (rows + k) */
     mrts_lanes *corner; /* of each corner u, x, and of u and of x what rows of the basis weigh in it, (MRTS_CORNERS, 2 + 2 k) */
     int *basis;         /* of each corner, its rows in the order of these weights, (MRTS_CORNERS, k) */
     mrts_lanes *work;   /* (k + 2, k) */

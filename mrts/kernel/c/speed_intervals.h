@@ -21,9 +21,8 @@
  * sample has, for tangents. */
 typedef struct {
     int n, rows;
-    mrts_real *A;     /* Shape (rows, n) */
-    mrts_real *lower; /* of the rows, then of the unknowns */
-    mrts_real *upper;
+    mrts_real *A;              /* Shape (rows, n) */
+    mrts_real *lower, *upper; /* of the rows, then of the unknowns */
     mrts_real *work;
     int *iwork;
 } mrts_curve;

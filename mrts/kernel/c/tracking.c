@@ -732,21 +732,6 @@ static double mrts_turns_inside(double low, double high, double lower, double up
     return moved;
 }
 
-/* Moves positions of one arm at one sample inside their limits where whole turns do it; the first joint that is still
- * past one by more than rounding, -1 if none is. */
-static int mrts_into_limits(const mrts_following *rule, int robot, double *q) {
-    for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) {
-        double *at = q + i - MRTS_FIRST(robot);
-        const double lower = rule->task.wish.lower[i], upper = rule->task.wish.upper[i];
-        if (rule->turns[i]) *at += mrts_turns_inside(*at, *at, lower, upper, rule->past);
-    }
-    for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) {
-        const double at = q[i - MRTS_FIRST(robot)];
-        if (fmax(rule->task.wish.lower[i] - at, at - rule->task.wish.upper[i]) > rule->past) return i - MRTS_FIRST(robot);
-    }
-    return -1;
-}
-
 /* Moves the paths of an arm's joints, some samples long, inside their limits by whole turns, where they may turn and that
  * does it; tells of the first sample at which one is still past a limit. */
 static void mrts_past_limits(const mrts_following *rule, long long samples, int turns, int robot, double *q,
@@ -774,40 +759,39 @@ static void mrts_past_limits(const mrts_following *rule, long long samples, int 
 
 /* What has been found of one arm's start: the nearest positions that hold the grasp, and of the others why not. */
 typedef struct {
-    double distance, q[MRTS_MOST_JOINTS];
+    double distance, q[MRTS_JOINTS];
     double gap, turn;
-    int past, attempt;
-    double at;
+    int attempt;
+    mrts_outcome past; /* of the first that are past a limit */
 } mrts_start;
 
 static void mrts_take_start(const mrts_following *rule, int robot, const double *posture, const double *found, double gap,
                             double turn, int attempt, mrts_start *start) {
-    const int given = attempt == 0;
-    const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
-    double q[MRTS_MOST_JOINTS], distance = 0;
+    const int first = MRTS_FIRST(robot), end = MRTS_FIRST(robot + 1);
+    double q[MRTS_JOINTS], distance = 0;
+    mrts_outcome past = {MRTS_FOLLOWED, 0, 0, 0, {0, 0}};
     if (fmax(gap, turn) < fmax(start->gap, start->turn)) {
         start->gap = gap;
         start->turn = turn;
     }
     if (!(fmax(gap, turn) <= rule->task.reached)) return;
-    for (int i = 0; i < joints; ++i) q[i] = found[first + i];
-    const int past = mrts_into_limits(rule, robot, q);
-    if (past >= 0 && start->past < 0) {
-        start->past = past;
-        start->at = q[past];
+    for (int i = first; i < end; ++i) q[i] = found[i];
+    mrts_past_limits(rule, 1, 1, robot, q, &past);
+    if (past.code != MRTS_FOLLOWED) {
+        if (start->past.code == MRTS_FOLLOWED) start->past = past;
+        return;
     }
-    if (past >= 0) return;
-    for (int i = 0; i < joints && !given; ++i) {
-        const double away = found[first + i] - posture[first + i] + MRTS_TURN / 2;
-        q[i] = rule->turns[first + i] ? posture[first + i] + (away - MRTS_TURN * floor(away / MRTS_TURN)) - MRTS_TURN / 2
-                                      : found[first + i];
+    for (int i = first; i < end; ++i) {
+        const double away = found[i] - posture[i] + MRTS_TURN / 2;
+        q[i] = found[i];
+        if (attempt && rule->turns[i]) q[i] = posture[i] + (away - MRTS_TURN * floor(away / MRTS_TURN)) - MRTS_TURN / 2;
     }
-    if (!given) mrts_into_limits(rule, robot, q);
-    for (int i = 0; i < joints && !given; ++i) distance = fmax(distance, fabs(q[i] - posture[first + i]));
+    if (attempt) mrts_past_limits(rule, 1, 1, robot, q, &past);
+    for (int i = first; i < end && attempt; ++i) distance = fmax(distance, fabs(q[i] - posture[i]));
     if (distance >= start->distance) return;
     start->distance = distance;
     start->attempt = attempt;
-    for (int i = 0; i < joints; ++i) start->q[i] = given ? found[first + i] : q[i];
+    for (int i = first; i < end; ++i) start->q[i] = q[i];
 }
 
 /* Joints that hold the grasps at the first sample, near the posture; 0 where an arm has none. The first search begins at
@@ -822,7 +806,7 @@ static int mrts_find_start(const mrts_following *rule, const mrts_path *at, cons
     int lost = R;
     for (int robot = 0; robot < R; ++robot) {
         start[robot].distance = start[robot].gap = start[robot].turn = MRTS_INFINITY;
-        start[robot].past = -1;
+        start[robot].past.code = MRTS_FOLLOWED;
     }
     for (int i = 0; i < M; ++i) reference[i] = fmin(fmax(posture[i], task.wish.lower[i]), task.wish.upper[i]);
     for (int attempt = 0; attempt <= rule->further && lost; ++attempt) {
@@ -840,12 +824,13 @@ static int mrts_find_start(const mrts_following *rule, const mrts_path *at, cons
         const mrts_start *of = start + robot;
         outcome[robot] = (mrts_outcome){MRTS_FOLLOWED, 0, 0, of->attempt, {0, 0}};
         if (of->distance < MRTS_INFINITY) {
-            for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) q[i] = of->q[i - MRTS_FIRST(robot)];
+            for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1); ++i) q[i] = of->q[i];
             continue;
         }
         lost = -1;
-        outcome[robot] = of->past < 0 ? (mrts_outcome){MRTS_NO_START, 0, 0, 0, {of->gap, of->turn}}
-                                      : (mrts_outcome){MRTS_START_PAST, 0, of->past, 0, {of->at, 0}};
+        outcome[robot] = of->past;
+        if (of->past.code == MRTS_PAST_LIMIT) outcome[robot].code = MRTS_START_PAST;
+        else outcome[robot] = (mrts_outcome){MRTS_NO_START, 0, 0, 0, {of->gap, of->turn}};
     }
     return lost >= 0;
 }

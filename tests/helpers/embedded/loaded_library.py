@@ -37,14 +37,12 @@ class LoadedLibrary:
         given["weight"] = joints
         if self.motors:
             given |= dict.fromkeys(("armature", "coulomb", "viscous"), joints)
-            given |= {"rest": 2, "slope": self.sizes["LINES"]}
+            given |= {"rest": 2, "most": None, "slope": self.sizes["LINES"]}
         if self.sizes["MOTIONS"]:
             points, things = self.sizes["POINTS"], self.sizes["THINGS"]
             given |= {"acceleration_lower": joints, "acceleration_upper": joints, "object_acceleration": 2}
             given |= {"point_speed": points, "point_acceleration": points} if points else {}
             given |= {"friction": things, "tilt": 2 * things} if things else {}
-        if self.motors:
-            given["most"] = None
         self.settings = structure(reals(given))()
         self.workspace = ctypes.create_string_buffer(BYTES)
         self.call("default_settings", self.settings)

@@ -79,6 +79,7 @@ typedef struct {
     planar_dual_arm_real viscous[PLANAR_DUAL_ARM_JOINTS]; /* friction that grows with the speed, N m s/rad or N s/m, >= 0 */
     planar_dual_arm_real rest_speed;              /* |q'| up to which a joint stands, rad/s or m/s, >= 0 */
     planar_dual_arm_real rest_acceleration;       /* |q''| up to which it then does not leave, >= 0 */
+    planar_dual_arm_real most; /* largest c^2 that is asked for, > 0: ranges are the highest intervals up to it; no row is named there */
 #endif
 #if PLANAR_DUAL_ARM_LINES
     planar_dual_arm_real slope[PLANAR_DUAL_ARM_LINES];    /* of torque-speed lines |torque| <= upper - slope |q'| r', >= 0 */
@@ -96,9 +97,6 @@ typedef struct {
     planar_dual_arm_real friction[PLANAR_DUAL_ARM_THINGS];           /* between a thing and the object, > 0; PLANAR_DUAL_ARM_UNLIMITED: it cannot slide */
     planar_dual_arm_real tilt[2 * PLANAR_DUAL_ARM_THINGS]; /* half width over height of the centre of mass, along a and b, > 0; PLANAR_DUAL_ARM_UNLIMITED: it
                                          * cannot tip. The centre itself stays where it is in the cell file */
-#endif
-#if PLANAR_DUAL_ARM_MOTORS
-    planar_dual_arm_real most; /* largest c^2 that is asked for, > 0: ranges are the highest intervals up to it; no row is named there */
 #endif
 } planar_dual_arm_settings;
 

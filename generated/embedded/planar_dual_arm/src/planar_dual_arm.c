@@ -62,7 +62,6 @@ const char *planar_dual_arm_row_text(int row) {
 }
 
 void planar_dual_arm_default_settings(planar_dual_arm_settings *settings) { *settings = DEFAULTS; }
-#if PLANAR_DUAL_ARM_MOTIONS
 
 static int are_positive(int count, const mrts_real *values) {
     int sound = 1;
@@ -71,8 +70,11 @@ static int are_positive(int count, const mrts_real *values) {
 }
 
 static int has_sound_motions(const planar_dual_arm_settings *settings) {
-    int sound = are_positive(JOINTS, settings->acceleration_upper) && are_positive(2, settings->object_acceleration);
+    int sound = are_positive(VELOCITIES, settings->velocity);
+#if PLANAR_DUAL_ARM_MOTIONS
+    sound &= are_positive(JOINTS, settings->acceleration_upper) && are_positive(2, settings->object_acceleration);
     for (int i = 0; i < JOINTS; ++i) sound &= settings->acceleration_lower[i] < 0;
+#endif
 #if PLANAR_DUAL_ARM_POINTS
     sound &= are_positive(PLANAR_DUAL_ARM_POINTS, settings->point_speed);
     sound &= are_positive(PLANAR_DUAL_ARM_POINTS, settings->point_acceleration);
@@ -82,13 +84,11 @@ static int has_sound_motions(const planar_dual_arm_settings *settings) {
 #endif
     return sound;
 }
-#endif
 
 planar_dual_arm_status planar_dual_arm_check_settings(const planar_dual_arm_settings *settings) {
     int sound = settings->load[0] > 0 && all_finite(PLANAR_DUAL_ARM_LOAD, settings->load) && all_finite(JOINTS, settings->weight);
     for (int i = 0; i < ROWS; ++i) sound &= settings->lower[i] <= settings->upper[i];
-    for (int i = 0; i < VELOCITIES; ++i) sound &= settings->velocity[i] > 0;
-    for (int i = 0; i < JOINTS; ++i) sound &= settings->weight[i] > 0;
+    sound &= are_positive(JOINTS, settings->weight) && has_sound_motions(settings);
 #if PLANAR_DUAL_ARM_MOTORS
     sound &= all_finite(JOINTS, settings->armature) && all_finite(JOINTS, settings->coulomb);
     sound &= all_finite(JOINTS, settings->viscous) && settings->rest_speed >= 0 && settings->rest_acceleration >= 0;
@@ -99,9 +99,6 @@ planar_dual_arm_status planar_dual_arm_check_settings(const planar_dual_arm_sett
 #endif
 #if PLANAR_DUAL_ARM_LINES
     for (int i = 0; i < PLANAR_DUAL_ARM_LINES; ++i) sound &= settings->slope[i] >= 0 && settings->slope[i] < MRTS_INFINITY;
-#endif
-#if PLANAR_DUAL_ARM_MOTIONS
-    sound &= has_sound_motions(settings);
 #endif
     return sound ? PLANAR_DUAL_ARM_OK : PLANAR_DUAL_ARM_BAD_ARGUMENT;
 }
@@ -374,12 +371,7 @@ static mrts_real motion_cap(const planar_dual_arm_sample *sample, const planar_d
     mrts_real most = MRTS_INFINITY;
     int binding = -1;
     *named = 0;
-    for (int i = 0; i < VELOCITIES; ++i) {
-        if (!(settings->velocity[i] > 0)) return -1;
-    }
-#if PLANAR_DUAL_ARM_MOTIONS
     if (!has_sound_motions(settings)) return -1;
-#endif
     cap_velocities(sample, settings->velocity, &most, &binding);
 #if PLANAR_DUAL_ARM_MOTIONS
     cap_accelerations(sample, settings, &most, &binding);

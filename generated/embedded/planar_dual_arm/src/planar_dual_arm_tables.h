@@ -35,6 +35,7 @@ static const planar_dual_arm_settings DEFAULTS = {
     {},
     ,
     ,
+    PLANAR_DUAL_ARM_UNLIMITED,
 #if PLANAR_DUAL_ARM_LINES
     {},
 #endif
@@ -51,9 +52,6 @@ static const planar_dual_arm_settings DEFAULTS = {
 #if PLANAR_DUAL_ARM_THINGS
     {},
     {},
-#endif
-#if PLANAR_DUAL_ARM_MOTORS
-    PLANAR_DUAL_ARM_UNLIMITED,
 #endif
 };
 static const int row_start[PLANAR_DUAL_ARM_ROWS + 1] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};

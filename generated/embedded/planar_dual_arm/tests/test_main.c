@@ -56,10 +56,6 @@ int main(void) {
     planar_dual_arm_settings settings;
     planar_dual_arm_range range, again;
     planar_dual_arm_real torque[PLANAR_DUAL_ARM_JOINTS], wrench[PLANAR_DUAL_ARM_WRENCHES];
-#if PLANAR_DUAL_ARM_THINGS
-    planar_dual_arm_settings narrower;
-    planar_dual_arm_range inside;
-#endif
     int undecided = 0, seen[7] = {0};
     planar_dual_arm_default_settings(&settings);
 #if PLANAR_DUAL_ARM_MOTORS
@@ -68,7 +64,8 @@ int main(void) {
 #endif
     demand(planar_dual_arm_check_settings(&settings) == PLANAR_DUAL_ARM_OK, -1, "settings", 1, 0);
 #if PLANAR_DUAL_ARM_THINGS
-    narrower = settings;
+    planar_dual_arm_settings narrower = settings;
+    planar_dual_arm_range inside;
     for (int i = 0; i < PLANAR_DUAL_ARM_THINGS; ++i) {
         if (narrower.friction[i] < PLANAR_DUAL_ARM_UNLIMITED) narrower.friction[i] *= POLYGON;
     }

@@ -63,7 +63,6 @@ const char *cell_row_text(int row) {
 }
 
 void cell_default_settings(cell_settings *settings) { *settings = DEFAULTS; }
-#if CELL_MOTIONS
 
 static int are_positive(int count, const mrts_real *values) {
     int sound = 1;
@@ -72,8 +71,11 @@ static int are_positive(int count, const mrts_real *values) {
 }
 
 static int has_sound_motions(const cell_settings *settings) {
-    int sound = are_positive(JOINTS, settings->acceleration_upper) && are_positive(2, settings->object_acceleration);
+    int sound = are_positive(VELOCITIES, settings->velocity);
+#if CELL_MOTIONS
+    sound &= are_positive(JOINTS, settings->acceleration_upper) && are_positive(2, settings->object_acceleration);
     for (int i = 0; i < JOINTS; ++i) sound &= settings->acceleration_lower[i] < 0;
+#endif
 #if CELL_POINTS
     sound &= are_positive(CELL_POINTS, settings->point_speed);
     sound &= are_positive(CELL_POINTS, settings->point_acceleration);
@@ -83,13 +85,11 @@ static int has_sound_motions(const cell_settings *settings) {
 #endif
     return sound;
 }
-#endif
 
 cell_status cell_check_settings(const cell_settings *settings) {
     int sound = settings->load[0] > 0 && all_finite(CELL_LOAD, settings->load) && all_finite(JOINTS, settings->weight);
     for (int i = 0; i < ROWS; ++i) sound &= settings->lower[i] <= settings->upper[i];
-    for (int i = 0; i < VELOCITIES; ++i) sound &= settings->velocity[i] > 0;
-    for (int i = 0; i < JOINTS; ++i) sound &= settings->weight[i] > 0;
+    sound &= are_positive(JOINTS, settings->weight) && has_sound_motions(settings);
 #if CELL_MOTORS
     sound &= all_finite(JOINTS, settings->armature) && all_finite(JOINTS, settings->coulomb);
     sound &= all_finite(JOINTS, settings->viscous) && settings->rest_speed >= 0 && settings->rest_acceleration >= 0;
@@ -100,9 +100,6 @@ cell_status cell_check_settings(const cell_settings *settings) {
 #endif
 #if CELL_LINES
     for (int i = 0; i < CELL_LINES; ++i) sound &= settings->slope[i] >= 0 && settings->slope[i] < MRTS_INFINITY;
-#endif
-#if CELL_MOTIONS
-    sound &= has_sound_motions(settings);
 #endif
     return sound ? CELL_OK : CELL_BAD_ARGUMENT;
 }
@@ -375,12 +372,7 @@ static mrts_real motion_cap(const cell_sample *sample, const cell_settings *sett
     mrts_real most = MRTS_INFINITY;
     int binding = -1;
     *named = 0;
-    for (int i = 0; i < VELOCITIES; ++i) {
-        if (!(settings->velocity[i] > 0)) return -1;
-    }
-#if CELL_MOTIONS
     if (!has_sound_motions(settings)) return -1;
-#endif
     cap_velocities(sample, settings->velocity, &most, &binding);
 #if CELL_MOTIONS
     cap_accelerations(sample, settings, &most, &binding);

@@ -61,6 +61,7 @@ typedef struct {
     cell_real viscous[CELL_JOINTS]; /* friction that grows with the speed, N m s/rad or N s/m, >= 0 */
     cell_real rest_speed;              /* |q'| up to which a joint stands, rad/s or m/s, >= 0 */
     cell_real rest_acceleration;       /* |q''| up to which it then does not leave, >= 0 */
+    cell_real most; /* largest c^2 that is asked for, > 0: ranges are the highest intervals up to it; no row is named there */
 #endif
 #if CELL_LINES
     cell_real slope[CELL_LINES];    /* of torque-speed lines |torque| <= upper - slope |q'| r', >= 0 */
@@ -78,9 +79,6 @@ typedef struct {
     cell_real friction[CELL_THINGS];           /* between a thing and the object, > 0; CELL_UNLIMITED: it cannot slide */
     cell_real tilt[2 * CELL_THINGS]; /* half width over height of the centre of mass, along a and b, > 0; CELL_UNLIMITED: it
                                          * cannot tip. The centre itself stays where it is in the cell file */
-#endif
-#if CELL_MOTORS
-    cell_real most; /* largest c^2 that is asked for, > 0: ranges are the highest intervals up to it; no row is named there */
 #endif
 } cell_settings;
 

@@ -57,10 +57,6 @@ int main(void) {
     cell_settings settings;
     cell_range range, again;
     cell_real torque[CELL_JOINTS], wrench[CELL_WRENCHES];
-#if CELL_THINGS
-    cell_settings narrower;
-    cell_range inside;
-#endif
     int undecided = 0, seen[7] = {0};
     cell_default_settings(&settings);
 #if CELL_MOTORS
@@ -69,7 +65,8 @@ int main(void) {
 #endif
     demand(cell_check_settings(&settings) == CELL_OK, -1, "settings", 1, 0);
 #if CELL_THINGS
-    narrower = settings;
+    cell_settings narrower = settings;
+    cell_range inside;
     for (int i = 0; i < CELL_THINGS; ++i) {
         if (narrower.friction[i] < CELL_UNLIMITED) narrower.friction[i] *= POLYGON;
     }
