@@ -39,7 +39,7 @@ def wrench_form(terms: CooperativeTerms) -> dict[str, Any]:
 
 
 def _of_wrenches(terms: CooperativeTerms, wrench_map: Any, wrench_offset: Any) -> dict[str, Any]:
-    """Eq. (14): the torques E c² + G + JᵀF of wrenches that are a map of unknowns, c² last."""
+    """The torques E c² + G + JᵀF of wrenches that are a map of unknowns, c² last."""
     J_T = block_diagonal([J.T for J in terms.J])
     torque_map = J_T @ wrench_map
     torque_map[:, -1] += terms.E
@@ -47,10 +47,10 @@ def _of_wrenches(terms: CooperativeTerms, wrench_map: Any, wrench_offset: Any) -
 
 
 def torque_form(terms: CooperativeTerms) -> dict[str, Any]:
-    """Eqs. (21), (22), (23), (25), (27), (28): unknowns [τ, c²] on A_1 x = b_1, A_1 = [L, -P - L E], b_1 = L G + Q.
+    """Eqs. (14), (21), (22), (23), (25), (27), (28): unknowns [τ, c²] on A_1 x = b_1.
 
-    The wrenches are J_D (τ - E c² - G), so A_2 = [J_D, -J_D E] and the offset -J_D G. Every Jacobian
-    must be square and well-conditioned.
+    A_1 = [L, -P - L E], b_1 = L G + Q. The wrenches are J_D (τ - E c² - G), so A_2 = [J_D, -J_D E] and the offset
+    -J_D G. Every Jacobian must be square and well-conditioned.
     """
     J_D = block_diagonal([ca.solve(J.T, ca.SX.eye(J.size1())) for J in terms.J])  # under (29): J_i^-T
     L = ca.densify(ca.horzcat(*terms.B) @ J_D)

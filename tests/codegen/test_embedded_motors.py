@@ -49,11 +49,8 @@ def loaded(folder, change):
     path = changed_cell(folder, change)
     assert main(["export", str(path), "-o", str(folder / "library"), "--motion", str(DATA / "lift.yaml")]) == 0
     cell = mrts.load_cell(path)
-    return (
-        LoadedLibrary(folder / "library", folder),
-        cell,
-        mrts.follow_object(cell, mrts.load_motion(DATA / "lift.yaml")),
-    )
+    motion = mrts.follow_object(cell, mrts.load_motion(DATA / "lift.yaml"))
+    return LoadedLibrary(folder / "library", folder), cell, motion
 
 
 @pytest.fixture(scope="module")

@@ -5,13 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 from embedded_target import FOLDER, cross_compile, missing_tools, run_on_target
-from exported_library import SANITIZED, link, run, sources, tool
+from exported_library import SANITIZED, compiles_cleanly, link, run, sources
 from shipped_cells import DATA
 
 import mrts
 from mrts.cli import main
 
-WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror"]
 MAIN = FOLDER / "play_override.c"
 DEFINES = ("-DPREFIX=dual_ur5", '-DLIBRARY_HEADER="dual_ur5_override.h"')
 TICKS, HELD = 1500, 25
@@ -73,12 +72,7 @@ def test_it_plays_what_python_plays_and_refuses_what_is_no_wish(played, exports,
 @pytest.mark.parametrize("precision", ["double", "float"])
 def test_a_plan_compiles_without_a_warning_as_c_and_cpp(exports, precision, tmp_path):
     folder = exports(precision)
-    places = [f"-I{folder}/include", *DEFINES, "-o", tmp_path / "o", "-c"]
-    for source in sources(folder):
-        for compiler in ("gcc", "clang"):
-            run(tool(compiler, compiler), *WARNINGS, "-O2", *places, source)
-    header = folder / "include" / "dual_ur5_override.h"
-    run(tool("g++", "g++"), "-std=c++17", "-x", "c++", "-Wall", "-Wextra", "-Werror", *places, header)
+    compiles_cleanly(folder, sources(folder), tmp_path, [folder / "include" / "dual_ur5_override.h"], DEFINES)
 
 
 @pytest.mark.slow

@@ -169,14 +169,8 @@ def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
     subprocess.run([GCC, *flags, tmp_path / "angles.c", "-o", library, "-lm"], check=True)
     rng = np.random.default_rng(1)
     near = np.arange(-40, 41)[:, None] * (np.pi / 4) + rng.normal(size=500) * 1e-6
-    angle = np.concatenate(
-        [
-            rng.uniform(-7, 7, 200_000),
-            rng.uniform(-1e5, 1e5, 100_000),
-            near.ravel(),
-            [0.0, -0.0, 1e-300, 1e5, -1e5, 1e9],
-        ]
-    )
+    drawn, special = (rng.uniform(-7, 7, 200_000), rng.uniform(-1e5, 1e5, 100_000)), [0.0, -0.0, 1e-300, 1e5, -1e5, 1e9]
+    angle = np.concatenate([*drawn, near.ravel(), special])
     angle = angle[: len(angle) // 4 * 4]
     sine, cosine = np.empty_like(angle), np.empty_like(angle)
     pointers = (ctypes.c_void_p(array.ctypes.data) for array in (angle, sine, cosine))

@@ -582,12 +582,18 @@ static int mrts_front_given(const mrts_smooth_program *p, int k) {
     return p->timed || (k == 0 && p->given_start) || (k == p->nodes && p->given_end);
 }
 
-/* A += by a b', columns of A from a row of `stride` to the next. */
-static inline void mrts_front_add_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
+/* A += by a b', columns of A from a row of `stride` to the next; the count is a constant where it is often met. */
+static inline void mrts_front_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
     for (int i = 0; i < count; ++i) {
         const double left = by * a[i];
         for (int l = 0; l < count; ++l) A[i * stride + l] += left * b[l];
     }
+}
+
+static void mrts_front_add_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
+    if (count == 6) mrts_front_outer(6, stride, by, a, b, A);
+    else if (count == 3) mrts_front_outer(3, stride, by, a, b, A);
+    else mrts_front_outer(count, stride, by, a, b, A);
 }
 
 /* Adds node k to the lower triangle of a front of size m; c_(k+1) has the place `next`. Its own places are adjacent. */

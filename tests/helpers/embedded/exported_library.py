@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror")
 SANITIZED = ("-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
@@ -28,6 +29,16 @@ def run(*command, **options):
 def sources(folder):
     """C files of a library."""
     return sorted((folder / "src").glob("*.c"))
+
+
+def compiles_cleanly(folder, programs, place, headers=(), flags=()):
+    """C files compile without a warning, as C with both compilers, and they or headers of a library as C++."""
+    places = [f"-I{folder}/include", f"-I{folder}/tests", *flags, "-o", place / "o", "-c"]
+    for source in programs:
+        for compiler in ("gcc", "clang"):
+            run(tool(compiler, compiler), *WARNINGS, "-O2", *places, source)
+    for source in headers or programs:
+        run(tool("g++", "g++"), "-std=c++17", "-x", "c++", "-Wall", "-Wextra", "-Werror", *places, source)
 
 
 def link(folder, main, program, *flags):
