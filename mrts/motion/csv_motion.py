@@ -66,7 +66,8 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
     wanted = (*POSE_COLUMNS, *chain(*rates))
     missing = [name for name in wanted if name not in columns]
     if missing:
-        raise InputError(path, f"these columns are needed too: {', '.join(missing)}.")
+        rule = f"these columns are needed too: {', '.join(missing)}. Velocities and accelerations may be left out."
+        raise InputError(path, rule)
     unknown = columns.keys() - {"t", *wanted}
     if unknown:
         every = ", ".join((*POSE_COLUMNS, *chain(*RATE_COLUMNS)))

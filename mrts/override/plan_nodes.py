@@ -341,7 +341,7 @@ def _with_standing(plan: Plan, limits: _Limits, margin: Array) -> _Limits:
         raise InputError(
             "result",
             f"the cell cannot stand still at {plan.motion.object.time[worst]:.4g} s of the plan, as stopping asks for: "
-            f"{row} passes its limit by {100 * most:.1f} %.",
+            f"{row} passes its limit by {100 * most:.4g} %.",
         )
     wider = replace(limits, passed=passed)
     keeps = plan.options.distribute == "reserve"

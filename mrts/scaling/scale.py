@@ -3,7 +3,6 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -352,15 +351,11 @@ def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
     cell, motion = rows.cell, rows.motion
     held, places = np.array(pushing_ends(motion.dq, motion.ddq)), np.array([0, motion.samples - 1])
     torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
-    ask, found = (options.solver, 0.0, weights, options.distribute), None
     if held.any():
-        with suppress(SolverError):  # mostly both ends have some
-            found = motion_torques(rows.at_rest(places), *ask)
-    if held.any() and found is None:
         held &= motion_widening(rows.at_rest(places), np.zeros(2)) <= TORQUE_WIDENING
-        if held.any():
-            found = motion_torques(rows.at_rest(places[held][[0, -1]]), *ask)  # one end stands for both
-    if found is not None:
+    if held.any():  # where one end has none, the other stands for both
+        still = rows.at_rest(places[held][[0, -1]])
+        found = motion_torques(still, options.solver, 0.0, weights, options.distribute)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found)
     return Holding((bool(held[0]), bool(held[1])), torque, wrench)
 
@@ -382,9 +377,11 @@ def range_question(result: ScalingResult) -> SpeedQuestion:
     if study is not None:
         cell = replace(cell, load=study.box.nominal_point().load, load_box=study.box)
 
+    known = study is None and options.rates is None
+
     def answer(changed: Cell, motion: CoordinatedMotion, before: SpeedAnswer | None) -> SpeedAnswer:
         found = admissible_range(changed, motion, options)[0].range
-        if before is not None and before.c2 is not None and np.isclose(found.c2_upper, before.c2, NO_CHANGE, 0):
+        if known and before and before.c2 is not None and np.isclose(found.c2_upper, before.c2, NO_CHANGE, 0):
             return before  # to find which rows bind takes longer than to see that the range stays
         status, upper = found.status, found.upper
         if not status.admits_motion or upper is None:

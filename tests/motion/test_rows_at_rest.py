@@ -83,12 +83,21 @@ def test_only_rows_at_rest_beside_an_acceleration_are_left_out():
     assert moving_rows(time[:2], q[:2], dq[:2], ddq[:2]) == slice(0, 2)
 
 
-def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
-    """Two gantries whose contacts must push: at rest nothing takes the push."""
-    cell = gantries(tmp_path)
-    push = {"wrench_lower": np.array([0.5, -np.inf, -np.inf]), "wrench_upper": np.array([10.0, np.inf, np.inf])}
+PUSH = {"wrench_lower": np.array([0.5, -np.inf, -np.inf]), "wrench_upper": np.array([10.0, np.inf, np.inf])}
+DRIVE = {"torque_lower": np.array([0.5, -20.0, -20.0])}
+
+
+@pytest.mark.parametrize(
+    ("limits", "options"),
+    [(PUSH, {}), (DRIVE, {}), (DRIVE, {"sharing": mrts.LoadSharing()}), (DRIVE, {"distribute": "reserve"})],
+    ids=["contacts", "drives", "shares", "reserve"],
+)
+def test_a_cell_that_cannot_hold_still_says_so(limits, options, tmp_path):
+    """Two gantries whose contacts or drives must push: at rest nothing takes the push."""
     time = np.linspace(0, 1, 101)
-    result = mrts.scale(with_robots(cell, **push), straight(time, time**2 / 2, time, 1.0))
+    cell = with_robots(gantries(tmp_path), **limits)
+    result = mrts.scale(cell, straight(time, time**2 / 2, time, 1.0), **options)
+    assert result.trajectory.holding.ends == (False, False)
     (remark,) = [warning for warning in result.warnings if warning.code == "no-row-at-rest"]
     assert remark.sample == 0
     assert "do not let the cell hold still where the motion starts" in remark.text
