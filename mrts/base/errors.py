@@ -210,15 +210,11 @@ def check_type(name: str, value: object, *kinds: type) -> None:
     """Check what an argument is."""
     if isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool)):
         return
-    *others, last = map(_type_name, kinds)
+    *others, last = (WORDS.get(kind.__name__, f"of type {kind.__name__}") for kind in kinds)
     allowed = f"{', '.join(others)} or {last}" if others else last
     given = "None" if value is None else f"of type {type(value).__name__}"
     inside = " Give its `retimed`." if isinstance(getattr(value, "retimed", object()), kinds) else ""
     raise InputError(name, f"must be {allowed}; it is {given}.{inside}", value=value)
-
-
-def _type_name(kind: type) -> str:
-    return WORDS.get(kind.__name__, f"of type {kind.__name__}")
 
 
 def is_number(value: object, low: float = -inf, high: float = inf) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, check_type, did_you_mean, is_number
 from mrts.base.formats.record import Finite, Positive, Shape, check_attributes
+from mrts.base.input_file import plain
 from mrts.base.manifest import LOAD_ENTRIES
 
 FACTORS = ("mass", "ixx", "iyy", "izz")
@@ -106,6 +107,7 @@ class LoadBox:
     principal_moments: Array = field(init=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "ranges", plain("ranges", self.ranges))
         check_attributes(self, LoadBox, "load box")
         object.__setattr__(self, "ranges", {name: self.ranges[name] for name in PARAMETERS if name in self.ranges})
         axes = principal_axes(self.inertia)

@@ -16,7 +16,6 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Remark, as_path, check_type, is_number
 from mrts.base.formats.record import MadeAgain, Rule, dumped
-from mrts.base.input_file import plain
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook import InNotebooks, NotebookTable
@@ -249,8 +248,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
                 "first moments. Vary the cell's own object, with ranges of mx, my, mz.",
                 value=self.load[1:4].tolist(),
             )
-        given: Any = plain("variation", ranges)
-        return replace(self, load_box=LoadBox(self.mass, self.inertia, given))
+        return replace(self, load_box=LoadBox(self.mass, self.inertia, ranges))
 
     def without_wrench_limits(self) -> Self:
         """The same cell with every contact wrench and its rate unbounded, and hands that hold whatever comes."""

@@ -278,7 +278,7 @@ class SpeedOverride:
         return state.numbers
 
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
-        *commanded, active, finished = numbers.item()[:AT_A_TICK]  # as `kernel.override_library.state_type` orders them
+        *commanded, active, finished = numbers.item()[:AT_A_TICK]  # as `cell_override` orders them
         limits = self.tables.embedded.limits
         values: tuple[Any, ...] = (*commanded, bool(finished), limits[active], numbers, limits)
         return OverrideState(*values)

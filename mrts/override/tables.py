@@ -19,10 +19,12 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError
+from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
-from mrts.kernel.binding import INFINITY
-from mrts.kernel.override_library import override_library, override_type
+from mrts.kernel.binding import INFINITY, bind, structure
+from mrts.kernel.c_text import OVERRIDE, override_source
+from mrts.kernel.compiler import compiled_library
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes, turned
 from mrts.motion.rows_at_rest import REST
@@ -113,10 +115,7 @@ class PlayedTables:
         )
         self.nodes, self._geometry = self.embedded.nodes, np.ascontiguousarray(cell.geometry)
         addresses = {"nodes": self.nodes.ctypes.data, "geometry": self._geometry.ctypes.data, "count": len(self.nodes)}
-        self.c, self.state = (
-            np.zeros((), override_type("cell_plan", *_sizes(cell))),
-            override_type("cell_override", *_sizes(cell)),
-        )
+        self.c, self.state = np.zeros((), _structure("cell_plan", cell)), _structure("cell_override", cell)
         for name in self.c.dtype.names or ():
             if name != "limits":  # names are looked up here
                 self.c[name] = addresses[name] if name in addresses else getattr(self.embedded, name)
@@ -382,16 +381,19 @@ def _until_none(wanted: Array, change: Array, time: Array) -> tuple[Array, Array
     return room, least
 
 
-def _sizes(cell: Cell) -> tuple[int, int]:
-    """Joints, and components of all wrenches."""
-    return len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
+def _structure(name: str, cell: Cell) -> np.dtype[Any]:
+    """A structure of the exported header: `cell_plan_node`, `cell_plan`, or `cell_override`, the state."""
+    sizes = {"CELL_JOINTS": len(cell.joint_names), "CELL_LOAD": len(LOAD_ENTRIES)}
+    sizes["CELL_WRENCHES"] = len(cell.robots) * len(cell.wrench_components)
+    made: np.dtype[Any] = np.dtype(structure("exported/cell_override.h", name, **sizes))
+    return made
 
 
 def _plan_nodes(corners: Corners) -> NDArray[Any]:
     """The tables of a plan as C reads them, Shape (n,)."""
     cell, motion = corners.plan.cell, corners.plan.motion
     axes = object_axes(cell, motion)
-    nodes = np.zeros(motion.samples, override_type("cell_plan_node", *_sizes(cell)))
+    nodes = np.zeros(motion.samples, _structure("cell_plan_node", cell))
     for name in ("q", "dq", "ddq"):
         nodes[name] = getattr(motion, name)
     nodes["dq"][np.abs(nodes["dq"]) <= REST * np.max(np.abs(nodes["dq"]))] = 0.0  # friction is against the way ahead
@@ -406,7 +408,9 @@ def _plan_nodes(corners: Corners) -> NDArray[Any]:
 
 
 def _opened(cell: Cell) -> ctypes.CDLL:
+    """The exported functions that play a plan, compiled unless the cache holds them."""
     manifest, generated = cell.functions.manifest, cell.functions.origin
     if not isinstance(generated, str):
         cell.functions.library  # noqa: B018 (it says what is missing)
-    return override_library(manifest, str(generated))
+    source = override_source(manifest, str(generated))
+    return compiled_library("override", source, lambda path: bind(ctypes.CDLL(str(path)), (OVERRIDE,)))

@@ -203,7 +203,7 @@ class _Search:
         worst: Conflict | None = None
         for point, problem in zip(self.points, self._problems(), strict=True):
             if reach is None:
-                found = sample_conflict(problem, time, sample, x)
+                found = _least(problem.at(np.array([sample])), time, x)
             else:
                 found = segment_conflict(problem, time, sample, float(self.piece.step[sample]), reach, x)
             if found is not None and (worst is None or found.widening > worst.widening):
@@ -240,11 +240,6 @@ def _of_timing(timed: RetimingResult) -> SpeedAnswer:
         return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
     limits = tuple(dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits))
     return SpeedAnswer(status="feasible", duration=timed.duration, limits=limits)
-
-
-def sample_conflict(problem: SampleProblem, time: float, sample: int, x: float | None = None) -> Conflict | None:
-    """The limits that no wrenches, u and x keep at one sample, at a time [s]; None if some do. x may be given."""
-    return _least(problem.at(np.array([sample])), time, x)
 
 
 def segment_conflict(
