@@ -92,9 +92,8 @@ def test_all_keys_come_back(cell, tmp_path):
     ],
 )
 def test_wrong_values_are_refused_by_their_key(path, value, key, cell):
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: str(error.key).startswith(key)):
         cell.with_values({path: value})
-    assert str(refused.value.key).startswith(key)
 
 
 BAD = {
@@ -118,9 +117,8 @@ BAD = {
 def test_wrong_keys_are_refused_by_name(key):
     keys = description()
     BAD[key](keys)
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: error.key == key):
         mrts.Cell.from_description(keys)
-    assert refused.value.key == key
 
 
 EXPECTED = {

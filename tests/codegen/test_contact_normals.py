@@ -93,9 +93,8 @@ def test_both_palms_are_told_by_load_and_by_check_and_meant_ones_are_written_aga
     path.write_text(yaml.safe_dump(cell))
     keys = [f"robots[{index}] ({name}).contact[0].pad.normal" for index, name in enumerate(("left", "right"))]
     assert [mistake.key for mistake in mrts.check(path).mistakes] == keys
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: error.key == keys[0]):
         mrts.load_cell(path)
-    assert refused.value.key == keys[0]
     for robot in cell["robots"]:
         robot["contact"][0]["pad"]["pull"] = True
     path.write_text(yaml.safe_dump(cell))

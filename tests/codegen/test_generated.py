@@ -101,9 +101,8 @@ def test_a_hostile_manifest_is_refused(kind, tmp_path):
     """Anyone can write one whose hashes are right; nothing of it may reach C text, a path or memory unchecked."""
     folder = spoiled_folder(tmp_path / "inner", HOSTILE[kind])
     before = sorted(tmp_path.rglob("*"))
-    with pytest.raises(mrts.InputError) as caught:
+    with pytest.raises(mrts.InputError, check=lambda error: len(str(error)) < 500):
         mrts.load_cell(folder)
-    assert len(str(caught.value)) < 500
     assert sorted(tmp_path.rglob("*")) == before
 
 

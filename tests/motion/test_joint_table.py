@@ -38,20 +38,17 @@ def test_rows_without_times_are_timed(dual_ur5, exact, waypoints, tmp_path):
         assert "untimed" in {warning.code for warning in found.warnings}
         assert found.given.untimed
         assert not expected.given.untimed
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: error.where == "motion"):
         mrts.scale(dual_ur5, table)
-    assert refused.value.where == "motion"
     (tmp_path / "study.yaml").write_text(f"cell: {UR5 / 'cell.yaml'}\nmotion: way.csv\nvary: {{object.mass: [1, 2]}}\n")
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: error.where == str(tmp_path / "way.csv")):
         mrts.read_study(tmp_path / "study.yaml")
-    assert refused.value.where == str(tmp_path / "way.csv")
 
 
 def test_what_is_no_table_of_waypoints_is_refused(waypoints, tmp_path):
     twice = {name: np.insert(values, 4, values[3]) for name, values in waypoints.items()}
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: error.key == "row 5"):
         mrts.load_motion(write_table(tmp_path / "twice.csv", twice))
-    assert refused.value.key == "row 5"
     rates = waypoints | {f"d{name}": values for name, values in waypoints.items()}
     bare = {name.removeprefix("q."): values for name, values in waypoints.items()}  # who knows what they are
     for columns, rule in (
@@ -99,9 +96,8 @@ def test_smoothing_that_cannot_be_is_refused(recording, tmp_path):
     with pytest.raises(mrts.InputError, match="needs 21 rows"):
         mrts.load_motion(few, smooth=ALLOWED)
     for wrong in (1e-5, 0, -1.0, 1.0, float("nan"), "much"):
-        with pytest.raises(mrts.InputError) as refused:
+        with pytest.raises(mrts.InputError, check=lambda error: error.where == "smooth"):
             mrts.load_motion(path, smooth=wrong)
-        assert refused.value.where == "smooth"
     with pytest.raises(mrts.InputError, match="motion of the object"):
         mrts.load_motion(UR5 / "lift_and_turn.yaml", smooth=ALLOWED)
 

@@ -183,10 +183,8 @@ def test_mistakes_in_a_trajectory(mistake, dual_ur5, given, tmp_path):
     times = 2 if change(names, points) == "again" else 1
     right = [("/right/joint_trajectory", message(names, points))] * times
     bag = write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"])), *right])
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: words in str(error) and str(bag) in str(error)):
         mrts.scale(dual_ur5, mrts.load_motion(bag))
-    assert words in str(refused.value)
-    assert str(bag) in str(refused.value)
 
 
 def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path):

@@ -78,12 +78,11 @@ def test_a_file_of_another_version_is_refused(changed):
             mrts.load_result(changed(change))
 
 
-def test_an_edited_file_is_refused(changed):
-    for edit in EDITS:
-        path = changed(edit, sealed=False)
-        with pytest.raises(mrts.InputError) as error:
-            mrts.load_result(path)
-        assert (error.value.where, error.value.key) == (str(path), "seal")
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edited_file_is_refused(edit, changed):
+    path = changed(edit, sealed=False)
+    with pytest.raises(mrts.InputError, check=lambda error: (error.where, error.key) == (str(path), "seal")):
+        mrts.load_result(path)
 
 
 def test_what_mrts_did_not_write_is_refused(changed):

@@ -419,9 +419,8 @@ def test_a_search_finds_no_wish_that_passes_a_limit(name, profile):
 def test_samples_that_do_not_tell_what_is_between_have_no_override(tmp_path):
     """At the turning point the object waits, and its samples accelerate all the time."""
     plan = mrts.scale(gantries(tmp_path), there_and_back(0.5, wait=5))
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, match=r"^result"):
         mrts.SpeedOverride(plan)
-    assert str(refused.value).startswith("result")
 
 
 @pytest.mark.quick
@@ -429,9 +428,8 @@ def test_an_internal_wrench_of_each_sample_has_no_override():
     cell, motion = shipped_motion_of("planar_dual_arm")
     given = [np.zeros((len(motion.time), 6)), np.zeros(6)]
     known, fixed = (mrts.scale(cell, motion, sharing=mrts.LoadSharing(internal_wrench=of)) for of in given)
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, match=r"^result"):
         mrts.SpeedOverride(known)
-    assert str(refused.value).startswith("result")
     override = mrts.SpeedOverride(fixed)
     assert np.max(passed(override.cell, override.play(np.ones(500)))) <= BETWEEN
 
@@ -447,6 +445,5 @@ def test_where_a_cup_needs_speed_there_is_no_override(tmp_path):
     cup = CarriedThing(name="cup", normal=[0, 1, 0], friction=1.5)
     plan = mrts.scale(replace(cell, carried=(cup,), object_acceleration_limit=np.array([900.0, np.inf])), motion)
     assert plan.range.lower.c2 > 0
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, match="object/cup"):
         mrts.SpeedOverride(plan)
-    assert "object/cup" in str(refused.value)

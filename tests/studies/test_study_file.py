@@ -21,12 +21,10 @@ BASE = "vary: {object.mass: [1, 2]}"
 WRONG = yaml.safe_load((ROOT / "tests" / "study_cases" / "wrong_studies.yaml").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("name", WRONG)
-def test_a_wrong_study_is_refused_by_file_key_value_and_rule(name, tmp_path):
-    with pytest.raises(mrts.InputError) as raised:
-        planar_study(tmp_path, WRONG[name]["file"])
-    assert str(raised.value).startswith(str(tmp_path / "study.yaml"))
-    assert WRONG[name]["says"] in str(raised.value)
+@pytest.mark.parametrize("case", WRONG.values(), ids=WRONG)
+def test_a_wrong_study_is_refused_by_file_key_value_and_rule(case, tmp_path):
+    with pytest.raises(mrts.InputError, match=f"^{tmp_path}/study", check=lambda error: case["says"] in str(error)):
+        planar_study(tmp_path, case["file"])
 
 
 def test_paths_lead_to_what_the_files_leave_out(tmp_path):

@@ -143,11 +143,10 @@ WRONG = (
 )
 
 
-def test_wrong_arguments_are_refused_by_name(planar_cell, lift):
-    for arguments, message in WRONG:
-        with pytest.raises(mrts.InputError) as refused:
-            mrts.retime(planar_cell, lift, **arguments)
-        assert str(refused.value).startswith(message)
+@pytest.mark.parametrize(("arguments", "message"), WRONG)
+def test_wrong_arguments_are_refused_by_name(arguments, message, planar_cell, lift):
+    with pytest.raises(mrts.InputError, check=lambda error: str(error).startswith(message)):
+        mrts.retime(planar_cell, lift, **arguments)
 
 
 def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
