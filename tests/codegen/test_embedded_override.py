@@ -11,6 +11,8 @@ from shipped_cells import DATA
 import mrts
 from mrts.cli import main
 
+pytestmark = [pytest.mark.slow, pytest.mark.parametrize("precision", ["double", "float"])]
+
 MAIN = FOLDER / "play_override.c"
 DEFINES = ("-DPREFIX=dual_ur5", '-DLIBRARY_HEADER="dual_ur5_override.h"')
 TICKS, HELD = 1500, 25
@@ -56,8 +58,6 @@ def states_of(text):
     return numbers[:, 0], numbers[:, 1:]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("precision", ["double", "float"])
 def test_it_plays_what_python_plays_and_refuses_what_is_no_wish(played, exports, precision, tmp_path):
     _, override, states = played
     program = link(exports(precision), MAIN, tmp_path / "play", *DEFINES, *SANITIZED, "-O1")
@@ -68,15 +68,11 @@ def test_it_plays_what_python_plays_and_refuses_what_is_no_wish(played, exports,
     assert np.max(np.abs(torque - states["torque"]) / most) <= near[1]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("precision", ["double", "float"])
 def test_a_plan_compiles_without_a_warning_as_c_and_cpp(exports, precision, tmp_path):
     folder = exports(precision)
     compiles_cleanly(folder, sources(folder), tmp_path, [folder / "include" / "dual_ur5_override.h"], DEFINES)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("precision", ["double", "float"])
 def test_a_cortex_m7_plays_what_the_host_plays(exports, precision, tmp_path):
     if missing_tools():
         pytest.skip(f"needs {' '.join(missing_tools())}")

@@ -119,10 +119,8 @@ def read(path):
 
 @pytest.mark.parametrize("number", ["1.7976931348623157e308", "inf", "1000000000"])
 def test_limits_that_mean_none(number, tmp_path):
-    elbow, limit = (
-        '<joint name="elbow" type=',
-        f'<limit lower="-{number}" upper="{number}" velocity="{number}" effort="9"/>',
-    )
+    elbow = '<joint name="elbow" type='
+    limit = f'<limit lower="-{number}" upper="{number}" velocity="{number}" effort="9"/>'
     path = arm_cell(tmp_path, [(f'{elbow}"continuous">', f'{elbow}"revolute">{limit}')])
     elbow = read(path).models[0].joints[1]
     assert (elbow.lower, elbow.upper, elbow.velocity, elbow.effort) == (-np.inf, np.inf, np.inf, 9)
@@ -166,10 +164,8 @@ SAME = 1e-15
 @pytest.mark.parametrize("name", CASES)
 def test_a_urdf_says_what_yourdfpy_reads(name):
     path = urdf_path(CASES[name][0])
-    ours, theirs = (
-        parse_urdf(path, path.read_bytes()),
-        URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot,
-    )
+    ours = parse_urdf(path, path.read_bytes())
+    theirs = URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot
     assert list(ours.links) == [link.name for link in theirs.links]
     for one, other in zip(ours.links.values(), theirs.links, strict=True):
         if other.inertial is None:

@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 import pytest
 import trimesh
-import yaml
-from conftest import ROOT
+from conftest import UR5
 from shipped_cells import sampled, shipped
+from study_files import planar_study, write_study
 
 import mrts
 from mrts.base.formats.record import dumped
@@ -19,8 +19,7 @@ from mrts.following.coordinate import coordinate
 from mrts.starting.check import check
 from mrts.studies.variants import solve_variants
 
-UR5 = ROOT / "mrts" / "data" / "dual_ur5"
-TORSO = ROOT / "mrts" / "data" / "upper_body"
+TORSO = UR5.parent / "upper_body"
 
 EXACT = 1e-6
 """What iterations of both libraries leave [m]."""
@@ -143,14 +142,12 @@ def test_a_layout_that_collides_is_no_answer(tmp_path):
     """A wall where the right arm would stand best: `mrts place` keeps clear of it, which it does not without."""
     ends = {"from": 0.65, "to": 0.85}
     vary = {"distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}} | ends}
-    asked = {"cell": "cell.yaml", "motion": str(UR5 / "lift_and_turn.yaml"), "vary": vary}
     found = []
     for name, walls in (("free", []), ("walled", [box("wall", [0.02, 2, 2], [0.9, 0, 0])])):
         folder = tmp_path / name
         folder.mkdir()
-        (folder / "cell.yaml").write_text(yaml.safe_dump(described(walls)), encoding="utf-8")
-        (folder / "study.yaml").write_text(yaml.safe_dump(asked | {"sample": "sobol", "count": 4}), encoding="utf-8")
-        found.append(mrts.place(folder / "study.yaml", starts=1, looked_at=4, between=None))
+        study = write_study(folder, described(walls), UR5 / "lift_and_turn.yaml", vary, count=4)
+        found.append(mrts.place(study, starts=1, looked_at=4, between=None))
     free, walled = found
     assert ("collide" in free.reason, "collide" in walled.reason) == (False, True)
     assert walled.after is not None
@@ -172,9 +169,8 @@ def test_meshes_of_links_and_object_are_as_their_shapes(tmp_path):
     texts = [urdf.replace(tube, '<box size="0.1 0.1 0.45"/>'), urdf.replace(tube, mesh), as_visual]
     found = []
     wall = box("wall", [0.02, 3, 3], [-0.62, 0, 0.8])
-    for text, shape in zip(
-        texts, ({"box": [0.5, 0.3, 0.1]}, {"mesh": "carried.stl"}, {"mesh": "carried.stl"}), strict=True
-    ):
+    shapes = {"box": [0.5, 0.3, 0.1]}, {"mesh": "carried.stl"}, {"mesh": "carried.stl"}
+    for text, shape in zip(texts, shapes, strict=True):
         (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
         given = described([wall], shape=shape)
         for robot in given["robots"]:
@@ -193,18 +189,13 @@ def test_without_coal_it_is_said_that_nothing_was_looked_at(monkeypatch):
     assert "mrts[collision]" in said.text
     assert found.clearance is None
     cell = mrts.load_cell(UR5 / "cell.yaml")
-    with pytest.raises(mrts.InputError) as error:
+    with pytest.raises(mrts.InputError, check=lambda error: error.where == "collisions"):
         mrts.clearance(cell, lifting())
-    assert error.value.where == "collisions"
 
 
 def test_studies_have_it_as_a_column(tmp_path):
     given = described([box("shelf", [0.6, 0.4, 0.002], [0, 0.2, 0.5])])
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
-    vary = {"surroundings[0].pose.xyz[2]": [0.5, -0.5]}
-    asked = {"cell": "cell.yaml", "motion": str(UR5 / "lift_and_turn.yaml"), "vary": vary, "clearance": True}
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(asked), encoding="utf-8")
-    study = mrts.read_study(tmp_path / "study.yaml")
-    columns = solve_variants(study, 0, 2)
+    text = 'vary: {"surroundings[0].pose.xyz[2]": [0.5, -0.5]}\nclearance: true'
+    columns = solve_variants(planar_study(tmp_path, text, cell=given, motion=UR5 / "lift_and_turn.yaml"), 0, 2)
     assert columns["clearance"][0] < 0 < columns["clearance"][1]
     assert columns["c2_upper"][0] == columns["c2_upper"][1]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from changed_robots import with_left
-from conftest import DATA, UR5
+from conftest import DATA
 from random_motors import equipped
 
 import mrts
@@ -63,20 +63,19 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
 
 
 def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):
-    found = turned
-    card, end = answer_card(found), found.range.upper
+    card, end = answer_card(turned), turned.range.upper
     ratio, durations, limit = card.outcome.split(" · ")
     assert float(ratio.split()[0]) == pytest.approx(np.sqrt(end.c2), rel=5e-3)  # three digits
-    assert durations == f"{found.duration:.4g} s (given 0.8 s)"
+    assert durations == f"{turned.duration:.4g} s (given 0.8 s)"
     assert limit.startswith("limited by right/wrist_2_turn velocity (3.14159 rad/s), at ")
     assert float(limit.split()[-2]) == pytest.approx(end.time / np.sqrt(end.c2), rel=1e-3)
-    used = all_quantities(found.trajectory).limited
+    used = all_quantities(turned.trajectory).limited
     largest = np.sort(np.max(used.share, axis=0))[::-1][:MOST_BARS]
     assert [bar.share for bar in card.bars] == pytest.approx(largest.tolist())
     assert [bar.nearness for bar in card.bars] == ["reached", "near", "near", "free", "free"]
     for bar in card.bars:
         share = used.share[bar.sample, used.rows.index(bar.name)]
-        assert found.trajectory.time[bar.sample] == bar.time
+        assert turned.trajectory.time[bar.sample] == bar.time
         assert share == pytest.approx(bar.share, abs=5e-4)
 
 
@@ -105,9 +104,8 @@ ROUNDING = 1e-9
 """Rows and their limits are the same numbers, divided in another order."""
 
 
-def test_shares_are_values_by_limits(dual_ur5):
-    result = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    done = result.trajectory
+def test_shares_are_values_by_limits(dual_ur5, turned):
+    done = turned.trajectory
     found = {of.kind: of for of in limit_shares(done)}
     assert list(found) == ["torque", "wrench", "velocity"]
     for robot in dual_ur5.robots:
@@ -116,12 +114,10 @@ def test_shares_are_values_by_limits(dual_ur5):
             range(len(robot.joints)), done.torque[:, joints].T, done.dq[:, joints].T, robot.joints, strict=True
         ):
             label = f"{robot.name}/{name}"
-            expected = np.abs(torque) / np.where(torque > 0, robot.torque_upper[joint], -robot.torque_lower[joint])
-            of = found["torque"]
-            np.testing.assert_allclose(of.share[:, of.labels.index(label)], expected, atol=ROUNDING)
-            of = found["velocity"]
-            expected = np.abs(velocity) / robot.velocity_limit[joint]
-            np.testing.assert_allclose(of.share[:, of.labels.index(label)], expected, atol=ROUNDING)
+            limit = np.where(torque > 0, robot.torque_upper[joint], -robot.torque_lower[joint])
+            for kind, expected in (("torque", torque / limit), ("velocity", velocity / robot.velocity_limit[joint])):
+                own = found[kind].share[:, found[kind].labels.index(label)]
+                np.testing.assert_allclose(own, np.abs(expected), atol=ROUNDING)
         fx = np.abs(done.wrench[:, part][:, 0]) / robot.wrench_upper[0]
         of = found["wrench"]
         np.testing.assert_allclose(of.share[:, of.labels.index(f"{robot.name}/fx")], fx, atol=ROUNDING)

@@ -74,10 +74,6 @@ def of_urdf(change):
     return damage
 
 
-def friction(text):
-    return text.replace("</joint>", '<dynamics damping="0.5" friction="1.0"/></joint>')
-
-
 def carries(**keys):
     return lambda cell, _: cell["object"].update(keys)
 
@@ -92,7 +88,9 @@ BAD = {
         carries(mass=4.0, inertia=[4, 4, 4], shape={"box": [0.25, 0.25, 0.25]}),
         carries(mass=4.0, inertia=[4e-6] * 3, shape={"cylinder": {"radius": 0.1, "length": 0.2}}),
     ],
-    "urdf-friction": [of_urdf(friction)],
+    "urdf-friction": [
+        of_urdf(lambda text: text.replace("</joint>", '<dynamics damping="0.5" friction="1.0"/></joint>'))
+    ],
     "links-without-mass": [of_urdf(weightless)],
 }
 
@@ -118,17 +116,6 @@ def test_every_command_tells_what_a_check_does(code, damage, tmp_path, capsys):
     assert code in {one.code for one in mrts.load_result(tmp_path / "result.npz").warnings}
 
 
-def changed(folder, *changes):
-    """The shipped arm with patterns replaced, each once."""
-    text = URDF.read_text(encoding="utf-8")
-    for pattern, replacement in changes:
-        text, count = re.subn(pattern, replacement, text, count=1)
-        assert count == 1
-    path = folder / "arm.urdf"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
 BROKEN = {
     "text": (
         [(r"<mass value=", "<mass weight="), (r'effort="150"', 'effort="strong"')],
@@ -145,15 +132,16 @@ BROKEN = {
 
 @pytest.mark.parametrize("name", BROKEN)
 def test_all_that_is_wrong_is_told_once(name, tmp_path, capsys):
-    changes, keys = BROKEN[name]
-    path = changed(tmp_path, *changes)
+    (changes, keys), text = BROKEN[name], URDF.read_text(encoding="utf-8")
+    for pattern, replacement in changes:
+        text, count = re.subn(pattern, replacement, text, count=1)
+        assert count == 1
     cell, motion = sound()
-    for robot in cell["robots"]:
-        robot["urdf"] = path.name
+    of_urdf(lambda _: text)(cell, tmp_path)
     files = written(tmp_path, cell, motion)
     assert main(["check", *map(str, files), "-q", "--json", "-"]) == 2
     told = json.loads(capsys.readouterr().out)
     assert told["status"] == "wrong-input"
     assert [mistake["key"] or "" for mistake in told["mistakes"]] == keys
-    assert main(["new", str(tmp_path / "new"), "--robot", str(path)]) == 2
+    assert main(["new", str(tmp_path / "new"), "--robot", str(tmp_path / "arm.urdf")]) == 2
     assert told["mistakes"][0]["rule"] in capsys.readouterr().err

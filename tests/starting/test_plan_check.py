@@ -60,10 +60,8 @@ def test_a_plan_of_mrts_is_fine_and_uses_its_limits_as_the_result_says(turned, d
 
 def test_dry_friction_changes_no_rate_from_the_first_row_to_the_next(lift, tmp_path):
     """A smooth plan starts and ends without acceleration: where a joint goes then, the next row tells."""
-    cell = shipped("planar_dual_arm")
-    for robot in cell["robots"]:
-        robot["motors"] = {"friction": {"coulomb": 2.0}, "torque_rate": 400.0}
-    cell = mrts.load_cell(cell_file(tmp_path, cell))
+    motors = {"friction": {"coulomb": 2.0}, "torque_rate": 400.0}
+    cell = mrts.load_cell(cell_file(tmp_path, shipped(motors=motors)))
     smooth = mrts.retime(cell, lift, rates=True)
     found = mrts.check_plan(cell, table(tmp_path / "plan.csv", trajectory_columns(smooth.retimed)))
     assert share(found, "torque rate") == pytest.approx(1, abs=BETWEEN)
@@ -160,8 +158,7 @@ def test_sliding_joints_without_gravity_or_with_friction_are_fine(make, tmp_path
 
 
 def test_dry_friction_of_joints_at_rest_is_no_residual(lift, tmp_path):
-    keys = shipped(motors={"friction": {"coulomb": 2.0}})
-    cell = mrts.load_cell(cell_file(tmp_path, keys))
+    cell = mrts.load_cell(cell_file(tmp_path, shipped(motors={"friction": {"coulomb": 2.0}})))
     result = mrts.scale(cell, lift)
     found = mrts.check_plan(cell, table(tmp_path / "plan.csv", trajectory_columns(result)))
     assert result.trajectory.has_friction
