@@ -205,13 +205,8 @@ def test_held_joints_equal_pinocchios_locked_ones(path, tip, fixed):
             np.testing.assert_allclose(value, expected, rtol=0, atol=TOLERANCE * (1 + np.max(np.abs(expected))))
 
 
-def one_machine(folder):
-    """The cell whose arms stand on one held torso."""
-    return mrts.load_cell(machine_cell(folder, hold(turn=TURN, lift=0.4)))
-
-
 def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
-    cell = one_machine(tmp_path)
+    cell = mrts.load_cell(machine_cell(tmp_path, hold(turn=TURN, lift=0.4)))
     assert cell.machines == (("left", "right"),)
     left, right = cell.robots
     for change in (

@@ -20,14 +20,11 @@ ROUNDING = 1e-12
 """Of what is found in another order of the same operations, of sizes about 1."""
 
 
-def by_the_library(cell, motion):
-    inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
-    return closure_sizes(cell.library, inputs, motion.object.position, cell.geometry, cell.wrench_rows)
-
-
 def assert_same(cell, motion):
     """The library's sizes are those of numpy."""
-    distance, angle, *rates = by_the_library(cell, motion)
+    inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
+    found = closure_sizes(cell.library, inputs, motion.object.position, cell.geometry, cell.wrench_rows)
+    distance, angle, *rates = found
     tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
     gaps = grasp_gaps(cell, motion.object, tips)
     np.testing.assert_allclose([distance, angle], np.max(gaps, axis=2), atol=ROUNDING)

@@ -29,17 +29,6 @@ SAME = 1e-9
 """Relative to the largest number of a fit: rounding of normal equations of four well scaled unknowns."""
 
 
-def motion(rng, count=300):
-    """q̈, sign(q̇), q̇ of blocks."""
-    velocity = rng.uniform(0.2, 2, count) * rng.choice([-1, 1], count)
-    return np.column_stack([rng.uniform(-6, 6, count), np.sign(velocity), velocity])
-
-
-def fitted(columns, left_over, used=None):
-    used = np.ones(len(columns), bool) if used is None else used
-    return fit_joint(columns, left_over, used, fastest=3.0, torque_limit=1e9)
-
-
 def best_of_all_bounds(columns, left_over):
     """The least sum of squares of all sets of parameters that are held at 0."""
     X = np.column_stack([columns, np.ones(len(columns))])
@@ -58,9 +47,11 @@ def test_bounded_least_squares_are_the_best_of_all_choices():
     rng = np.random.default_rng(30)
     held = 0
     for _ in range(200):
-        columns = motion(rng, 40)
+        dq = rng.uniform(0.2, 2, 40) * rng.choice([-1, 1], 40)
+        columns = np.column_stack([rng.uniform(-6, 6, 40), np.sign(dq), dq])
         left_over = columns @ rng.uniform(-0.5, 1, 3) * 3 + rng.normal(0, 0.1, 40) + 1
-        fit, offset, *_ = fitted(columns, left_over)
+        used = np.ones(len(columns), bool)
+        fit, offset, *_ = fit_joint(columns, left_over, used, fastest=3.0, torque_limit=1e9)
         expected = best_of_all_bounds(columns, left_over)
         np.testing.assert_allclose([*fit["value"], offset], expected, atol=SAME * np.max(np.abs(expected)))
         np.testing.assert_array_equal(fit["bounded"], expected[:3] == 0)
@@ -113,19 +104,15 @@ def claimed(cell, robot, motors, runs):
     return np.array(errors), np.array(held)
 
 
-def check_coverage(held):
-    allowed = BY_CHANCE * np.sqrt(0.95 * 0.05 / held.size)
-    print(f"intervals that hold the truth: {held.mean():.4f} of {held.size}, allowed off 0.95 by {allowed:.4f}")
-    assert abs(held.mean() - 0.95) < allowed
-
-
 def test_motors_of_a_simulator_are_found_within_their_intervals(simulation):
     cell, robot, motors, (time, q, effort) = simulation
     runs = [(time, *measured(robot, q, effort, np.random.default_rng(seed))) for seed in range(SEEDS)]
     errors, held = claimed(cell, robot, motors, runs)
     print("largest relative errors", np.abs(errors).max(axis=0))
     assert np.abs(errors).max() < FOUND
-    check_coverage(held)
+    allowed = BY_CHANCE * np.sqrt(0.95 * 0.05 / held.size)
+    print(f"intervals that hold the truth: {held.mean():.4f} of {held.size}, allowed off 0.95 by {allowed:.4f}")
+    assert abs(held.mean() - 0.95) < allowed
 
 
 def test_intervals_hold_where_noise_has_a_memory(simulation):

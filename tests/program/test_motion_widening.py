@@ -29,11 +29,6 @@ def followed(name, samples=SAMPLES):
     return cell, mrts.follow_object(cell, sampled(shipped_motion(name, samples=samples)))
 
 
-def by_qpoases(cell, motion, c2, load=None):
-    problem = build_sample_problem(motion_rows(cell, motion), load=load)
-    return widening_at(problem, c2[:, None], "qpsol:qpoases", "the widening")
-
-
 def changed(cell, how, rng):
     return {
         "given": lambda: cell,
@@ -55,7 +50,9 @@ def test_the_widening_is_the_one_of_highs(name, how):
     most = float(np.min(ranges.upper, where=ranges.upper > 0, initial=100.0))
     c2 = most * rng.choice([0.3, 0.999, 1.0, 1.001, 1.5, 4.0], size=motion.samples)
     c2[: motion.samples // 3] = most
-    found, theirs = motion_widening(motion_rows(cell, motion), c2), by_qpoases(cell, motion, c2)
+    rows = motion_rows(cell, motion)
+    theirs = widening_at(build_sample_problem(rows), c2[:, None], "qpsol:qpoases", "the widening")
+    found = motion_widening(rows, c2)
     np.testing.assert_allclose(found, theirs, atol=AGREES, rtol=AGREES)
     assert np.max(theirs) > 0.1
     assert how in {"motors", "heavier"} or np.min(theirs) < AGREES

@@ -16,11 +16,6 @@ ROUNDING = 1e-8  # of a limit: programs are solved to 1e-9
 FORMULAS = 1e-9
 
 
-def admits(cell, motion, c2, reserve, **asked):
-    found = mrts.scale(cell, motion, "auto", reserve=reserve, **asked).range
-    return found.admitted(c2, 0.0) is not None
-
-
 def feasible(case, question):
     """The fastest plan of a random case that can be played at all."""
     cell, asked = asked_questions(question, case.cell)
@@ -61,7 +56,8 @@ def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
     inside, outside = 0.0, 1 - BISECTION
     while outside - inside > BISECTION:
         middle = (inside + outside) / 2
-        inside, outside = (middle, outside) if admits(cell, motion, c2, middle, **asked) else (inside, middle)
+        admitted = mrts.scale(cell, motion, "auto", reserve=middle, **asked).range.admitted(c2, 0.0)
+        inside, outside = (inside, middle) if admitted is None else (middle, outside)
     print(asked, "reserve", reserve, "bisection", inside)
     assert reserve.share == pytest.approx(inside, abs=BISECTION)
     assert reserve.rows

@@ -92,12 +92,6 @@ def lowering():
     return sampled(given | {"start": given["end"], "end": given["start"]})
 
 
-def start_of(lowering):
-    """Before the braking, which a heavy load cannot survive at all."""
-    fields = (lowering.time, lowering.position, lowering.rotation, lowering.twist, lowering.acceleration)
-    return mrts.ObjectMotion(*(field[:20] for field in fields))
-
-
 @pytest.mark.quick
 def test_the_worst_load_of_a_lowering_is_the_lightest(planar_cell, lowering):
     """On forks 2 f_y = m (g - c² a) >= 2 N: at the start c² <= (g - 2/m)/a, which the lightest load makes smallest."""
@@ -179,7 +173,9 @@ def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift
 def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     """With 1 N <= f_y <= 3 N a light load sets an upper and a heavy one a lower end at t = 0."""
     cell = on_forks(planar_cell, 3.0).with_variation(mass=(0.45, 2.0))
-    result = scaled(cell, start_of(lowering))
+    fields = (lowering.time, lowering.position, lowering.rotation, lowering.twist, lowering.acceleration)
+    start = mrts.ObjectMotion(*(field[:20] for field in fields))  # a heavy load cannot survive the braking at all
+    result = scaled(cell, start)
     assert result.status is mrts.ScalingStatus.EMPTY
     assert result.range.samples.status[0] is SampleStatus.EMPTY
     assert "mass 1 kg" in result.summary()
@@ -202,7 +198,6 @@ def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
     assert result["binding"]["upper"]["load"]["parameters"] == {"mass": 6.0}
     assert [point["c2"]["upper"] for point in result["load"]["points"]] == pytest.approx([3.352, 1.516], abs=1e-3)
     box = mrts.load_cell(tmp_path / "cell.yaml").load_box
-    with pytest.raises(mrts.InputError) as refused:
+    with pytest.raises(mrts.InputError, check=lambda error: (error.key, error.value) == ("mass", 7.0)):
         box.load_at({"mass": 7.0})
-    assert (refused.value.key, refused.value.value) == ("mass", 7.0)
     assert main([*command, "--load", "possible"]) == 0

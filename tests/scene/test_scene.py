@@ -31,13 +31,6 @@ MOST_SPARE = 0.2
 """Free at the narrower sides, as a share of the picture: a camera stands a little farther away than it must."""
 
 
-def arm_of(folder, urdf, base_link, tip_link, joints):
-    """A cell of one arm of a URDF."""
-    robot = {"name": "arm", "urdf": str(urdf), "base_link": base_link, "tip_link": tip_link}
-    robot |= {"posture": [0.1] * joints, "torque": [100.0] * joints, "base": {"xyz": [1, 2, 3], "rpy": [0.3, 0.2, 0.1]}}
-    return cell_of_arms(folder, robot)
-
-
 def vertices_of(path, first, q):
     """A vertex of every visual in the axes of a link, by yourdfpy's own kinematics; the model too."""
     model = yourdfpy.URDF.load(
@@ -61,7 +54,9 @@ def vertices_of(path, first, q):
 )
 def test_meshes_stand_where_yourdfpy_puts_them(urdf, base_link, tip_link, joints, tmp_path):
     """Ours turns the meshes at zero by the manifest's axes."""
-    cell = casadi_cell(arm_of(tmp_path, ROBOTS / urdf, base_link, tip_link, joints))
+    robot = {"name": "arm", "urdf": str(ROBOTS / urdf), "base_link": base_link, "tip_link": tip_link}
+    robot |= {"posture": [0.1] * joints, "torque": [100.0] * joints, "base": {"xyz": [1, 2, 3], "rpy": [0.3, 0.2, 0.1]}}
+    cell = casadi_cell(cell_of_arms(tmp_path, robot))
     (robot,) = cell.robots
     (path, base), *_ = urdf_files(tmp_path / "cell.yaml").values()
     found = arm_meshes(path, base, robot.joints)

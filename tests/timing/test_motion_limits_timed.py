@@ -90,12 +90,6 @@ STRONG = 1e6
 """Torques that bind nothing [N m]."""
 
 
-def with_motion_limits(seed, folder):
-    """An arm of random velocity and acceleration limits, these not alike in both directions, and a random path."""
-    cell, _, path = one_arm(seed, folder)
-    return limited(cell, np.random.default_rng([78, seed])), path
-
-
 def limited(cell, rng):
     """One arm with random limits of the motion of its joints alone."""
     limits = {"torque_lower": -np.full(6, STRONG), "torque_upper": np.full(6, STRONG)}
@@ -117,7 +111,8 @@ def on_grid(cell, grid, joints):
 @pytest.mark.parametrize("seed", seeds(5, 45))
 def test_velocities_and_accelerations_give_the_duration_of_toppra(seed, tmp_path):
     grid = np.linspace(0, 1, 201)
-    cell, path = with_motion_limits(seed, tmp_path)
+    cell, _, path = one_arm(seed, tmp_path)
+    cell = limited(cell, np.random.default_rng([78, seed]))
     theirs = duration(np.diff(grid), motion_by_toppra(cell.robots[0], path, grid))
     ours = on_grid(cell, grid, [path(grid, order) for order in range(3)])
     assert ours == pytest.approx(theirs, rel=SAME_DURATION)

@@ -115,15 +115,11 @@ def test_arms_that_cannot_hold_the_object_between_samples_are_told_at_once(strid
 SAME_TIMING = 1e-7  # regions of speeds are projections, right to 1e-9
 
 
-def by_text(found):
-    return {str(one.change): one for one in found.changes}
-
-
 def test_each_change_is_what_timing_the_changed_cell_gives(planar_cell, lift):
     cell = planar_cell.with_variation(mass=(0.5, 2.0))
     asked = {"load": "guaranteed", "between": None}
     result = mrts.retime(cell, lift, **asked)
-    found = by_text(result.what_if())
+    found = {str(one.change): one for one in result.what_if().changes}
     base, grasp = cell.robots[0].T_world_base, cell.robots[0].T_object_tip
     elbow = cell.robots[0].torque_upper * [1, 1.1, 1]
     changed = {

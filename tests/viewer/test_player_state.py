@@ -18,10 +18,6 @@ NEAR_END = 1e-6
 """Relative distance from the end of a sample's range at which rounding decides."""
 
 
-def synthetic(lower, upper):
-    return intersect(ranges_of(lower, upper))
-
-
 @pytest.mark.quick
 def test_it_starts_at_the_fastest_admissible_speed(planar_cell, lift):
     state, result = play(planar_cell, lift), mrts.scale(planar_cell, lift)
@@ -97,7 +93,7 @@ def test_at_rest_any_speed_plays(planar_cell, lift):
     ],
 )
 def test_speeds_on_offer_pass_both_ends(lower, upper, start, high):
-    speeds = offered_speeds(synthetic(lower, upper))
+    speeds = offered_speeds(intersect(ranges_of(lower, upper)))
     assert speeds.start == pytest.approx(start)
     assert speeds.upper == pytest.approx(high, rel=0.01)
     assert 0 < speeds.lower < speeds.start <= speeds.upper

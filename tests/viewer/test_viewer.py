@@ -245,14 +245,10 @@ def curves_of(props):
     return {name: (x[~np.isnan(y)], y[~np.isnan(y)]) for name, y in zip(names, values, strict=True)}
 
 
-def shares_of(result):
-    (of,) = (of for of in limit_shares(result.trajectory) if of.title == TORQUES)
-    return of
-
-
 @pytest.mark.quick
 def test_lines_are_the_shares_of_limits(lifted):
-    panels, of = time_panels(lifted), shares_of(lifted)
+    panels = time_panels(lifted)
+    (of,) = (of for of in limit_shares(lifted.trajectory) if of.title == TORQUES)
     assert list(panels) == ["Range of c² of each sample", TORQUES, "Contact wrenches"]
     curves = curves_of(uplot_props(panels[TORQUES]))
     names = lxml.html.fromstring(f"<p>{names_html(panels[TORQUES])}</p>").text_content()
