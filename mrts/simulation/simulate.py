@@ -493,7 +493,7 @@ def _played(
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.4g} %"
+    return f"{100 * share:.1f} %"
 
 
 def _told(value: Any) -> str:
