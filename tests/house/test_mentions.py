@@ -24,7 +24,7 @@ RECIPE_FILES = re.compile(r'^```\w+ title="([^"]+)"$', re.MULTILINE)
 ELSEWHERE = {
     "generated/my_cell": "a user's",
     "tests/test_main.c": "in an exported library",
-    "tests/example.c": "in an exported library",
+    "play.c": "of its page",
     "tests/vectors.h": "in an exported library",
     "dual_ur5_override.h": "in an exported library",
     "model.c": "in an exported library",
