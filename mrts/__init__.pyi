@@ -10,11 +10,6 @@ from mrts.base.version import __version__ as __version__
 from mrts.cell.cell import Cell as Cell
 from mrts.cell.cell import load_cell as load_cell
 from mrts.cell.hands import Contact as Contact
-from mrts.cell.hands import box_contact as box_contact
-from mrts.cell.hands import gripper_contact as gripper_contact
-from mrts.cell.hands import pad_contact as pad_contact
-from mrts.cell.hands import rows_contact as rows_contact
-from mrts.cell.hands import suction_contact as suction_contact
 from mrts.cell.motors import JointMotors as JointMotors
 from mrts.cell.robot import Robot as Robot
 from mrts.collisions.clearance import clearance as clearance

@@ -7,14 +7,23 @@ from dataclasses import dataclass
 from inspect import Parameter, signature
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeGuard
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from mrts.base.arrays import Array, without_infinity
-from mrts.base.errors import InputError, as_array, check_type, is_number
-from mrts.base.formats.record import Finite, MadeAgain, Record, Rule, Shape, check_attributes, checked_fields
-from mrts.base.input_file import LARGEST_NUMBER, plain
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.formats.record import (
+    Coordinate,
+    Finite,
+    MadeAgain,
+    Record,
+    Rule,
+    Shape,
+    check_attributes,
+    checked_fields,
+)
+from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.rigid_transform import multiply
 
@@ -32,7 +41,7 @@ class Contact(MadeAgain):
     """r rows lower <= A F <= upper over the wrench F that a hand exerts **on the object** at its contact point.
 
     The contact point is the tip frame's origin: moments are about it in every frame. Several contacts of one robot
-    must all hold for its one wrench. Make them by `mrts.pad_contact` and its neighbours, or row by row.
+    must all hold for its one wrench. Those of a cell file's kinds are made by `mrts.Cell.with_values`, here row by row.
 
     Attributes:
         name: Such as "pad", without blanks; each contact of a robot has its own.
@@ -83,27 +92,6 @@ class Contact(MadeAgain):
         return f"<Contact '{self.name}': {len(self.rows)} rows in {self.frame} axes>"
 
 
-def holds(values: object, count: int) -> TypeGuard[Sequence[Any]]:
-    """Whether values are a list, a tuple or an array of so many entries."""
-    if isinstance(values, np.ndarray):
-        return bool(values.shape[:1] == (count,))
-    return isinstance(values, list | tuple) and len(values) == count
-
-
-def check_components(components: object) -> None:
-    """Refuse what does not name the components of a wrench."""
-    known = isinstance(components, list | tuple) and {*map(str, components)} <= {*WRENCH_COMPONENTS}
-    if not known or not any(holds(components, count) for count in (3, len(WRENCH_COMPONENTS))):
-        rule = f"must be {', '.join(WRENCH_COMPONENTS)}, or in a plane three of them."
-        raise InputError("contact", rule, key="components", value=components)
-
-
-def as_given(kind: str, **values: Any) -> dict[str, Any]:
-    """The entry of a cell file that stands for a contact made in Python."""
-    plain_values = {key: plain("contact", value) for key, value in values.items() if value is not None}
-    return {kind: plain_values}
-
-
 def numbered(kinds: Sequence[str]) -> list[str]:
     """Names of a robot's contacts from their kinds: "pad", and a second one "pad2"."""
     seen: Counter[str] = Counter()
@@ -143,7 +131,7 @@ def tip_components(components: Sequence[str], R_object_tip: Array) -> tuple[str,
     return f"f{'xyz'[first]}", f"f{'xyz'[second]}", f"n{'xyz'[along]}"
 
 
-def contact_axes(key: str, direction: object, components: Sequence[str]) -> Array:
+def contact_axes(key: str, direction: Sequence[float], components: Sequence[str]) -> Array:
     """Turns each triple of a wrench from tip into contact axes: (a, b, normal), of a planar one (a, normal, moment).
 
     a lies along the tip's x axis, or along its y axis where the normal is nearest to x, projected along the normal;
@@ -151,21 +139,13 @@ def contact_axes(key: str, direction: object, components: Sequence[str]) -> Arra
 
     Args:
         key: What the direction is called, for messages.
-        direction: The normal in tip axes, of any length, Shape (3,).
+        direction: The normal in tip axes, a `Direction`.
         components: Of the wrench in tip axes.
 
     Returns:
         Shape (3, 3).
     """
-    check_components(components)
-    given = as_array(key, direction)
-    if given.shape != (3,) or not np.all(np.abs(given) <= LARGEST_NUMBER):
-        raise InputError("contact", "must be three finite numbers in tip axes.", key=key, value=direction)
-    length = float(np.linalg.norm(given))
-    if length < SHORTEST_DIRECTION:
-        rule = "must not have zero length: it is a direction in tip axes, such as [0, 0, 1]."
-        raise InputError("contact", rule, key=key, value=direction)
-    n = given / length
+    n = np.array(direction) / np.linalg.norm(direction)
     if len(components) < len(WRENCH_COMPONENTS):
         first, second, out = triple_axes(components)
         if abs(n[out]) > OUT_OF_PLANE:
@@ -193,51 +173,56 @@ def in_tip_axes(rows: Array, axes: Array) -> Array:
     return np.hstack([multiply(part, axes) for part in np.split(rows, rows.shape[1] // 3, axis=1)])
 
 
-SMALLEST = 1e-6
-"""Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
+def _check_direction(direction: list[float]) -> None:
+    if np.linalg.norm(direction) < SHORTEST_DIRECTION:
+        raise InputError("", "must not have zero length: it is a direction, such as [0, 0, 1].", value=direction)
 
-Side = Sequence[float | None] | Array | None
-"""One side of the bounds of a wrench, Shape (w,): None is unbounded, a component or the whole side."""
+
+Direction = Annotated[list[Coordinate], Rule(min_length=3, max_length=3), _check_direction]
+"""Of any length, Shape (3,)."""
+
+Size = Annotated[float, Rule(ge=1e-6, le=LARGEST_NUMBER)]
+"""A coefficient of friction, a half width [m] or a force [N]: what is smaller is a misprint, or zero."""
+
+HalfWidths = Annotated[list[Size], Rule(min_length=1, max_length=2)]
+"""Of a surface along its axes a and b (`contact_axes`), Shape (2,) [m]; in a plane [a]."""
+
+Side = list[Finite | None] | None
+"""One side of the limits of n values, Shape (n,); None is unbounded, a value or the whole side."""
 
 Sides = tuple[float, float]
 """Lower and upper limit of a row."""
 
 
 class Bounds(Record):
-    """Limits of each component or joint, as a cell file has them; null or an absent side is unbounded."""
+    """Limits of each component or joint, as a cell file has them."""
 
-    lower: list[Finite | None] | None = None
-    upper: list[Finite | None] | None = None
+    lower: Side = None
+    upper: Side = None
 
 
 def one_each(
-    where: Path | str, key: str, values: object, names: Sequence[str], unbounded: float | None = None
+    where: Path | str, key: str, values: Sequence[float | None], names: Sequence[str], unbounded: float | None = None
 ) -> Array:
-    """A number for each name, Shape (n,); null counts as `unbounded`, or is refused where that is None."""
-    if not holds(values, len(names)):
+    """A number for each name, Shape (n,); null counts as `unbounded`."""
+    if len(values) != len(names):
         null = "" if unbounded is None else "; null is unbounded"
         raise InputError(where, f"must have {len(names)} values ({', '.join(names)}){null}.", key=key, value=values)
-    return as_array(key, [unbounded if value is None else value for value in values])
+    return np.array([unbounded if value is None else value for value in values], dtype=np.float64)
 
 
 def limit_sides(
     where: Path | str, key: str, lower: Side, upper: Side, names: Sequence[str], *, meet: bool = False
 ) -> tuple[Array, Array]:
-    """Lower and upper limits of n values, each Shape (n,), infinite where there is none.
+    """Lower and upper limits of named values, each Shape (n,), infinite where there is none; some `meet` in a number.
 
-    Args:
-        where: For messages.
-        key: Likewise.
-        lower: None is unbounded, a value or the whole side.
-        upper: Likewise.
-        names: Of the values.
-        meet: Whether both sides may be one number.
+    `where` and `key` are for messages.
     """
     least, most = (
         one_each(where, f"{key}.{side}".lstrip("."), [None] * len(names) if given is None else given, names, unbounded)
         for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf))
     )
-    wrong = ~((least <= most if meet else least < most) & (least < np.inf) & (most > -np.inf))
+    wrong = least > most if meet else least >= most
     if np.any(wrong):
         place = int(np.argmax(wrong))
         relation = "at most" if meet else "below"
@@ -246,201 +231,110 @@ def limit_sides(
     return least, most
 
 
-def box_contact(
+def _box(
+    components: Sequence[str],
     *,
-    lower: Sequence[float | None] | None = None,
-    upper: Sequence[float | None] | None = None,
-    frame: Frame = "tip",
-    components: Sequence[str] = WRENCH_COMPONENTS,
-    name: str = "box",
-) -> Contact:
-    """Two-sided limits lower <= F <= upper, component by component; those without a limit make no row.
-
-    Args:
-        lower: None is unbounded, a component or the whole side; equal sides fix a component, Shape (w,) [N, N m].
-        upper: Likewise.
-        frame: Axes of F: "tip", "object" or "base".
-        components: Of the wrench in these axes.
-        name: Of the contact.
-
-    Raises:
-        InputError: If a side has another length, nothing is limited, or a lower limit exceeds the upper one.
-    """
-    check_components(components)
+    lower: Side = None,
+    upper: Side = None,
+    frame: Frame = "tip",  # noqa: ARG001 (the components are those of its axes)
+) -> dict[str, Any]:
+    """Two-sided limits lower <= F <= upper, component by component; those without a limit make no row."""
     least, most = limit_sides("contact", "", lower, upper, components, meet=True)
     limited = np.flatnonzero(np.isfinite(least) | np.isfinite(most)).tolist()
     if not limited:
         raise InputError("contact", "must limit something: give numbers in lower or upper, or leave the box out.")
-    return Contact(
-        name=name,
-        frame=frame,
-        rows=tuple(components[place] for place in limited),
-        units=tuple(WRENCH_UNITS[components[place]] for place in limited),
-        A=np.eye(len(components))[limited],
-        lower=least[limited],
-        upper=most[limited],
-        given=as_given("box", lower=without_infinity(least), upper=without_infinity(most), frame=frame),
-    )
+    return {
+        "rows": tuple(components[place] for place in limited),
+        "units": tuple(WRENCH_UNITS[components[place]] for place in limited),
+        "A": np.eye(len(components))[limited],
+        "lower": least[limited],
+        "upper": most[limited],
+    }
 
 
-def rows_contact(
-    *,
-    A: Sequence[Sequence[float]],
-    upper: Sequence[float],
-    components: Sequence[str] = WRENCH_COMPONENTS,
-    name: str = "rows",
-) -> Contact:
+def _rows(components: Sequence[str], *, A: list[list[Finite]], upper: list[Finite]) -> dict[str, Any]:
     """Rows A F <= upper over the wrench in tip axes.
 
-    A row with the limit 0 is measured by the largest limit among the rows, by 1 if all are 0: scale its numbers to
-    suit.
-
-    Args:
-        A: Shape (r, w).
-        upper: Shape (r,).
-        components: Of the wrench in tip axes.
-        name: Of the contact.
-
-    Raises:
-        InputError: If rows have another length, hold zeros only, or have no limit.
+    A row with the limit 0 is measured by the largest limit among the rows, by 1 if all are 0.
     """
-    check_components(components)
-    rows, limits = as_array("A", A), as_array("upper", upper)
-    if rows.shape != (limits.size, len(components)):
-        rule = f"must have {limits.size} rows, as many as upper has numbers, each of {', '.join(components)}."
+    if len(A) != len(upper) or any(len(row) != len(components) for row in A):
+        rule = f"must have {len(upper)} rows, as many as upper has numbers, each of {', '.join(components)}."
         raise InputError("contact", rule, key="A", value=A)
-    return Contact(
-        name=name,
-        frame="tip",
-        rows=tuple(str(row) for row in range(1, len(rows) + 1)),
-        units=("",) * len(rows),
-        A=rows,
-        lower=np.full(len(rows), -np.inf),
-        upper=limits,
-        given=as_given("rows", A=A, upper=upper),
-    )
+    names = tuple(str(row) for row in range(1, len(A) + 1))
+    return {
+        "rows": names,
+        "units": ("",) * len(names),
+        "A": np.array(A),
+        "lower": np.full(len(names), -np.inf),
+        "upper": np.array(upper),
+    }
 
 
-def pad_contact(
+def _pad(
+    components: Sequence[str],
     *,
-    friction: float,
-    normal: Sequence[float],
-    half_width: Sequence[float],
-    force: Sequence[float],
-    pull: bool = False,
-    components: Sequence[str] = WRENCH_COMPONENTS,
-    name: str = "pad",
-) -> Contact:
+    friction: Size,
+    normal: Direction,
+    half_width: HalfWidths,
+    force: tuple[Finite, Finite],
+    pull: bool = False,  # noqa: ARG001 (whoever knows the object's shape looks at it)
+) -> dict[str, Any]:
     """A pad that presses with f_n = normal · f, least <= f_n <= most, and needs no more than that: 17 rows.
 
     The rows of friction, tilt and torsion are in N: the normal force that lacks, at most 0.
-
-    Args:
-        friction: Coefficient of friction with the object, > 0.
-        normal: From the hand into the object, in tip axes, Shape (3,): pressing is positive.
-        half_width: Of the pad along its axes a and b (`mrts.cell.hands.contact_axes`) [m]; planar: [a].
-        force: Least and most normal force, 0 <= least < most [N].
-        pull: That the normal is meant to point out of the object, as from inside a hollow: a cell file is refused where
-            it does so without.
-        components: Of the wrench in tip axes.
-        name: Of the contact.
-
-    Raises:
-        InputError: If a value breaks a rule.
     """
-    check_type("contact: pull", pull, bool)
-    axes = contact_axes("normal", normal, components)
-    rows = _pressed_rows(_pyramid(friction, components), _half_widths("half_width", half_width, components))
-    pair = holds(force, 2)
-    if not pair or not all(is_number(value, 0, LARGEST_NUMBER) for value in force) or not force[0] < force[1]:
+    least, most = force
+    if not 0 <= least < most:
         rule = "must be [least, most] normal force in N with 0 <= least < most: a pad presses and cannot pull."
         raise InputError("contact", rule, key="force", value=force)
-    given = as_given("pad", friction=friction, normal=normal, half_width=half_width, force=force, pull=pull or None)
-    return _friction_contact(name, rows, axes, (force[0], force[1]), (-np.inf, 0.0), given)
+    rows = _pressed_rows(_pyramid(friction, components), _half_widths(half_width, components))
+    return _friction_rows(rows, contact_axes("normal", normal, components), (least, most), (-np.inf, 0.0))
 
 
-def suction_contact(
+def _suction(
+    components: Sequence[str],
     *,
-    holding_force: float,
-    friction: float,
-    radius: float,
-    normal: Sequence[float],
-    pull: bool = False,
-    components: Sequence[str] = WRENCH_COMPONENTS,
-    name: str = "suction",
-) -> Contact:
+    holding_force: Size,
+    friction: Size,
+    radius: Size,
+    normal: Direction,
+    pull: bool = False,  # noqa: ARG001
+) -> dict[str, Any]:
     """A cup that the vacuum presses on the object with its holding force, so that f_n >= -holding_force: 17 rows.
 
     Its lip bears holding_force + f_n, f_n = normal · f, by friction, at the corners of the square inside its circle: so
     what the rows admit a round lip of that radius bears. They are in N: the normal force that it takes, at most the
     holding force.
-
-    Args:
-        holding_force: By which it can pull at most, underpressure times area [N].
-        friction: Coefficient of friction of the lip with the object, > 0.
-        radius: Of the lip [m].
-        normal: From the hand into the object, in tip axes, Shape (3,).
-        pull: That the normal is meant to point out of the object, as from inside a hollow: a cell file is refused where
-            it does so without.
-        components: Of the wrench in tip axes.
-        name: Of the contact.
-
-    Raises:
-        InputError: If a value breaks a rule.
     """
-    check_type("contact: pull", pull, bool)
-    axes = contact_axes("normal", normal, components)
-    holding, width = _positive("holding_force", holding_force), _positive("radius", radius)
     in_space = len(components) == len(WRENCH_COMPONENTS)
-    widths = [width / np.sqrt(2)] * 2 if in_space else [width]
-    rows = _pressed_rows(_pyramid(friction, components), widths)
-    given = as_given(
-        "suction", holding_force=holding_force, friction=friction, radius=radius, normal=normal, pull=pull or None
-    )
-    return _friction_contact(name, rows, axes, (-holding, np.inf), (-np.inf, holding), given)
+    rows = _pressed_rows(_pyramid(friction, components), [radius / np.sqrt(2)] * 2 if in_space else [radius])
+    axes = contact_axes("normal", normal, components)
+    return _friction_rows(rows, axes, (-holding_force, np.inf), (-np.inf, holding_force))
 
 
-def gripper_contact(
-    *,
-    force: float,
-    friction: float,
-    half_width: Sequence[float],
-    axis: Sequence[float],
-    components: Sequence[str] = WRENCH_COMPONENTS,
-    name: str = "gripper",
-) -> Contact:
+def _gripper(
+    components: Sequence[str], *, force: Size, friction: Size, half_width: HalfWidths, axis: Direction
+) -> dict[str, Any]:
     """Two pads, one from each side, whose normal forces add up to twice the grip force: 30 rows, in a plane 3.
 
     What the object pulls along the axis one pad bears more and the other less, as where the jaws are coupled. The pads
     count as lying in one plane at the tip's origin: how far the jaws are open adds no lever. The rows are in N: the sum
     of both normal forces that it takes.
-
-    Args:
-        force: Grip force: with which each pad presses when nothing pulls [N].
-        friction: Coefficient of friction of the pads with the object, > 0.
-        half_width: Of a pad along the axes a and b (`mrts.cell.hands.contact_axes`) [m]; planar: [a].
-        axis: Along which the jaws close, in tip axes, Shape (3,).
-        components: Of the wrench in tip axes.
-        name: Of the contact.
-
-    Raises:
-        InputError: If a value breaks a rule.
     """
-    axes = contact_axes("axis", axis, components)
-    both = 2 * _positive("force", force)
-    mu, widths = _pyramid(friction, components), _half_widths("half_width", half_width, components)
+    mu, widths = _pyramid(friction, components), _half_widths(half_width, components)
     rows = _in_plane(mu, *widths) if len(widths) == 1 else _in_space(mu, *widths)
-    given = as_given("gripper", force=force, friction=friction, half_width=half_width, axis=axis)
-    return _friction_contact(name, rows, axes, (-both, both), (-both, both), given)
+    both = (-2 * force, 2 * force)
+    return _friction_rows(rows, contact_axes("axis", axis, components), both, both)
 
 
-KINDS: dict[str, Callable[..., Contact]] = {
-    "box": box_contact,
-    "pad": pad_contact,
-    "suction": suction_contact,
-    "gripper": gripper_contact,
-    "rows": rows_contact,
+KINDS: dict[str, Callable[..., dict[str, Any]]] = {
+    "box": _box,
+    "pad": _pad,
+    "suction": _suction,
+    "gripper": _gripper,
+    "rows": _rows,
 }
+"""By kind of `contact` in a cell file, what makes attributes of `Contact` of its keys and components of a wrench."""
 
 
 def check_contact(entry: dict[str, dict[str, Any]]) -> None:
@@ -451,11 +345,11 @@ def check_contact(entry: dict[str, dict[str, Any]]) -> None:
             "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'."
         )
         raise InputError("", rule, value=[*entry])
-    ((kind, arguments),) = entry.items()
-    own = [one for one in signature(KINDS[kind]).parameters.values() if one.name not in {"components", "name"}]
+    ((kind, keys),) = entry.items()
+    _, *own = signature(KINDS[kind]).parameters.values()
     defaults = {one.name: one.default for one in own if one.default is not Parameter.empty}
     try:
-        checked_fields({one.name: one.annotation for one in own}, defaults, arguments)
+        checked_fields({one.name: one.annotation for one in own}, defaults, keys)
     except InputError as error:
         raise error.inside("", kind) from None
 
@@ -470,38 +364,31 @@ def read_contacts(
     """The contacts of one robot by entries of a cell file that keep to `check_contact`."""
     contacts = []
     given = [pair for entry in entries for pair in entry.items()]
-    for place, ((kind, arguments), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):
-        in_tip = arguments.get("frame", "tip") == "tip"
+    for place, ((kind, keys), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):
+        frame = keys.get("frame", "tip")
         try:
-            there = tip_components(components, R_object_tip) if in_tip else components
-            contacts.append(KINDS[kind](**arguments, components=there, name=name))
+            there = tip_components(components, R_object_tip) if frame == "tip" else components
+            contacts.append(Contact(name=name, frame=frame, given=entries[place], **KINDS[kind](there, **keys)))
         except InputError as error:
             raise error.inside(where, f"{key}[{place}].{kind}") from None
     return tuple(contacts)
 
 
-def _positive(key: str, value: object) -> float:
-    if not is_number(value, SMALLEST, LARGEST_NUMBER):
-        raise InputError("contact", f"must be a number > 0, at least {SMALLEST:g}.", key=key, value=value)
-    return float(value)  # type: ignore[arg-type]  # is_number has seen to it
-
-
-def _pyramid(friction: object, components: Sequence[str]) -> float:
+def _pyramid(friction: float, components: Sequence[str]) -> float:
     """Largest tangential over normal force along one contact axis, by itself.
 
     In space the pyramid is the one inside Coulomb's round cone, friction / √2 along each axis, so that a surface which
     keeps it keeps the cone. In a plane there is one direction, and both are the same.
     """
-    given = _positive("friction", friction)
-    return given / np.sqrt(2) if len(components) == len(WRENCH_COMPONENTS) else given
+    return friction / np.sqrt(2) if len(components) == len(WRENCH_COMPONENTS) else friction
 
 
-def _half_widths(key: str, values: object, components: Sequence[str]) -> list[float]:
+def _half_widths(values: list[float], components: Sequence[str]) -> list[float]:
     count = 2 if len(components) == len(WRENCH_COMPONENTS) else 1
-    if not holds(values, count):
+    if len(values) != count:
         what = "[a, b], both half widths" if count > 1 else "[a]: in a planar cell the contact is a line"
-        raise InputError("contact", f"must be {what}, in m.", key=key, value=values)
-    return [_positive(key, value) for value in values]
+        raise InputError("contact", f"must be {what}, in m.", key="half_width", value=values)
+    return values
 
 
 def _pressed_rows(mu: float, widths: Sequence[float]) -> dict[str, Array]:
@@ -535,14 +422,11 @@ def _pressed_rows(mu: float, widths: Sequence[float]) -> dict[str, Array]:
     return {"normal force": f_n, **found}
 
 
-def _friction_contact(
-    name: str, rows: dict[str, Array], axes: Array, first: Sides, others: Sides, given: dict[str, Any]
-) -> Contact:
+def _friction_rows(rows: dict[str, Array], axes: Array, first: Sides, others: Sides) -> dict[str, Any]:
     """Rows in contact axes, the first between sides of its own [N]."""
     lower, upper = np.array([first, *[others] * (len(rows) - 1)], dtype=np.float64).T
     A = in_tip_axes(np.array([*rows.values()]), axes)
-    units = ("N",) * len(rows)
-    return Contact(name=name, frame="tip", rows=tuple(rows), units=units, A=A, lower=lower, upper=upper, given=given)
+    return {"rows": (*rows,), "units": ("N",) * len(rows), "A": A, "lower": lower, "upper": upper}
 
 
 def _in_plane(mu: float, width: float) -> dict[str, Array]:

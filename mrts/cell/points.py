@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.formats.record import Name, Positive, Record, Rule, Vector3
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.cell.hands import SHORTEST_DIRECTION, contact_axes, numbered
+from mrts.cell.hands import Direction, contact_axes, numbered
 
 RATES = ("linear", "angular")
 
@@ -74,15 +74,13 @@ class CarriedThing(Record):
 
     name: Name | None = None
     at: Vector3 = [0.0, 0.0, 0.0]  # noqa: RUF012
-    normal: Vector3 = [0.0, 0.0, 1.0]  # noqa: RUF012
+    normal: Direction = [0.0, 0.0, 1.0]  # noqa: RUF012
     friction: Positive | None = None
     half_width: Annotated[list[Positive], Rule(min_length=2, max_length=2)] | None = None
     height: Positive | None = None
 
     def problem(self) -> str:
         """The rule that its keys break; empty if none."""
-        if np.linalg.norm(self.normal) < SHORTEST_DIRECTION:
-            return "its 'normal' has no length: it is a direction, such as [0, 0, 1]"
         if self.friction is None and self.half_width is None:
             return "nothing limits it: give 'friction', 'half_width' or both"
         together = (self.height is None) == (self.half_width is None)

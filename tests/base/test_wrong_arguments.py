@@ -57,8 +57,6 @@ def good(planar_cell):
     search |= {"progress": lambda _done, _total: None}
     recorded = exact_recording(planar_cell, random_motors(6), seconds=8.0, rate=200.0)
     write_recording("recorded.csv", *recorded)
-    pressed = {"friction": 0.5, "half_width": [0.05, 0.04]}
-    named = {"components": ("fx", "fy", "fz", "nx", "ny", "nz"), "name": "palm"}
     with_solver = {"solver": DEFAULT_SOLVER}
     objects = {name: getattr(motion, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
     joints = {"object": motion, "q": whole.q, "dq": whole.dq, "ddq": whole.ddq}
@@ -69,15 +67,9 @@ def good(planar_cell):
     smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "least_energy_in": None}
     smooth |= {"distribute": "least-torque"}
     return {
-        "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
-        "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,
         "identify": {"cell": planar_cell, "recording": "recorded.csv", "cutoff": 10.0},
         "hold_here": {"cell": planar_cell, "xyz": [1.25, 0.95, 0.0], "rpy": [0.0, 0.0, 0.1]},
         "load_recording": {"path": "recorded.csv"},
-        "pad_contact": {"normal": [0, 0, 1], "force": [1.0, 50.0], "pull": False} | pressed | named,
-        "rows_contact": {"A": np.vstack([np.eye(6), -np.eye(6)]), "upper": [1.0] * 12} | named,
-        "suction_contact": {"holding_force": 50.0, "friction": 0.5, "radius": 0.02, "normal": [0, 0, 1], "pull": False}
-        | named,
         "clearance": {"cell": planar_cell, "motion": motion},
         "check": {"cell": DATA / "cell.yaml", "motion": DATA / "lift.yaml", "progress": lambda _done, _total: None},
         "follow_object": {"cell": planar_cell, "motion": motion},

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from changed_robots import with_left, with_robots
+from changed_robots import with_left
 from conftest import DATA
 from same_cells import same_cell
 
 import mrts
+from mrts.cell.hands import read_contacts
 from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
 
 SHIPPED = {path.parent.name: path for path in sorted(DATA.parent.glob("*/cell.yaml"))}
@@ -30,12 +31,11 @@ def equipped(cell, rng):
             rated=rng.uniform(1, 10, n),
             power=rng.uniform(1, 100, n),
         )
-        lower = [-5.0, None, *([0.0] * (w - 2))]
-        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), frame="base", components=cell.wrench_components)
+        box = {"box": {"lower": [-5.0, None, *([0.0] * (w - 2))], "upper": [30.0] * w, "frame": "base"}}
         rpy = rng.uniform(-3, 3, 3) * ([1, 0.5, 1] if cell.plane is None else [0, 0, 1])  # a plane is not left
         changes = {
             "motors": motors,
-            "contacts": (contact, replace(contact, name="box2")),
+            "contacts": read_contacts("cell", "contact", [box, box], cell.wrench_components, robot.T_object_tip.R),
             "contact_rate": np.where(["f" in unit for unit in cell.wrench_components], 500.0, 40.0),
             "torque_lower": -robot.torque_upper * 1.5,
             "velocity_limit": rng.uniform(1, 5, n),
@@ -84,13 +84,13 @@ def test_everything_that_a_file_can_say_comes_back(name, tmp_path):
 def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
     cell = mrts.load_cell(SHIPPED["squeeze"])
     hands = (
-        mrts.pad_contact(friction=0.4, normal=np.array([0, 0, 2.0]), half_width=(0.03, 0.02), force=[5, 100]),
-        mrts.suction_contact(holding_force=80, friction=0.5, radius=0.03, normal=[0, 0, 1]),
-        mrts.gripper_contact(force=60, friction=0.5, half_width=[0.02, 0.03], axis=[0, 1, 0]),
-        mrts.rows_contact(A=np.vstack([np.eye(6), -np.eye(6)]), upper=np.full(12, 50.0)),
-        mrts.box_contact(lower=[-np.inf, -5, -5, -5, -5, -5], upper=None, frame="object"),
+        {"pad": {"friction": 0.4, "normal": np.array([0, 0, 2.0]), "half_width": (0.03, 0.02), "force": [5, 100]}},
+        {"suction": {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}},
+        {"gripper": {"force": 60, "friction": 0.5, "half_width": [0.02, 0.03], "axis": [0, 1, 0]}},
+        {"rows": {"A": np.vstack([np.eye(6), -np.eye(6)]), "upper": np.full(12, 50.0)}},
+        {"box": {"lower": [None, -5, -5, -5, -5, -5], "frame": "object"}},
     )
-    cell = with_robots(cell, contacts=hands)
+    cell = cell.with_values({f"robots.{robot.name}.contact": hands for robot in cell.robots})
     text = cell.to_yaml(tmp_path / "cell.yaml")
     assert "&" not in text  # written out, not referred to
     kinds = [next(iter(entry)) for entry in yaml.safe_load(text)["robots"][0]["contact"]]

@@ -5,7 +5,7 @@ import pytest
 from contact_forces import axes_of, least_pressing, least_squeezing
 
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.cell.hands import gripper_contact, pad_contact, suction_contact
+from mrts.cell.hands import read_contacts
 
 WRENCHES = 2_000
 SHAPES = 5
@@ -30,6 +30,10 @@ def shapes(kind):
         yield rng, normal, float(mu), widths.tolist(), n, (demands * reach) @ frame
 
 
+def made(kind, components=WRENCH_COMPONENTS, **keys):
+    return read_contacts("cell", "contact", [{kind: keys}], components, np.eye(3))[0]
+
+
 def value(contact, wrenches):
     """Rows of the contact, those of friction with what the pressing has added."""
     return wrenches @ contact.A.T
@@ -43,7 +47,7 @@ def holds(contact, wrenches):
 def test_a_pad_holds_what_its_corners_can_make():
     for rng, normal, mu, widths, n, demands in shapes("pad"):
         force = np.sort(rng.uniform(0, 300, 2)).tolist()
-        given = pad_contact(friction=mu * np.sqrt(2), normal=normal, half_width=widths, force=force)
+        given = made("pad", friction=mu * np.sqrt(2), normal=normal, half_width=widths, force=force)
         wrenches = demands * 100
         lacks = value(given, wrenches)[:, 1:] + (wrenches[:, :3] @ n)[:, None]
         least = least_pressing(wrenches, normal, widths, mu)
@@ -61,7 +65,7 @@ def test_a_pad_holds_what_its_corners_can_make():
 def test_a_suction_cup_holds_what_its_lip_can_make_inside_its_circle():
     for rng, normal, mu, (radius, _), n, demands in shapes("suction"):
         holding = rng.uniform(20, 200)
-        cup = suction_contact(holding_force=holding, friction=mu * np.sqrt(2), radius=radius, normal=normal)
+        cup = made("suction", holding_force=holding, friction=mu * np.sqrt(2), radius=radius, normal=normal)
         wrenches = demands * [holding] * np.array([1, 1, 1, *(radius / 0.05,) * 3])
         least = least_pressing(wrenches, normal, [radius / np.sqrt(2)] * 2, mu)
         lip = holding + wrenches[:, :3] @ n
@@ -74,7 +78,7 @@ def test_a_suction_cup_holds_what_its_lip_can_make_inside_its_circle():
 def test_a_gripper_holds_what_both_pads_can_make():
     for rng, axis, mu, widths, _, demands in shapes("gripper"):
         force = rng.uniform(10, 200)
-        given = gripper_contact(force=force, friction=mu * np.sqrt(2), half_width=widths, axis=axis)
+        given = made("gripper", force=force, friction=mu * np.sqrt(2), half_width=widths, axis=axis)
         wrenches = demands * 2 * force
         least = least_squeezing(wrenches, axis, widths, mu)
         np.testing.assert_allclose(np.max(np.abs(value(given, wrenches)), axis=1), least, atol=SAME * least.max())
@@ -101,9 +105,9 @@ def test_planar_hands_are_spatial_ones_that_stay_in_the_plane(plane_axis):
         needed = np.maximum(np.abs(f_a) / mu, np.abs(wrenches[:, 3 + plane_axis]) / width)
         planar = wrenches[:, [first, second, 3 + plane_axis]]
         common = {"friction": mu, "components": components}
-        flat = pad_contact(normal=normal, half_width=[width], force=[0, 1000], **common)
-        cup = suction_contact(holding_force=2.0, radius=width, normal=normal, **common)
-        jaws = gripper_contact(force=1.0, half_width=[width], axis=normal, **common)
+        flat = made("pad", normal=normal, half_width=[width], force=[0, 1000], **common)
+        cup = made("suction", holding_force=2.0, radius=width, normal=normal, **common)
+        jaws = made("gripper", force=1.0, half_width=[width], axis=normal, **common)
         assert np.array_equal(holds(flat, planar), pressed >= needed)
         assert np.array_equal(holds(cup, planar), pressed + 2 >= needed)
         assert np.array_equal(holds(jaws, planar), np.maximum(needed, np.abs(pressed)) <= 2)

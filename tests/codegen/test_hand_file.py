@@ -6,7 +6,6 @@ from conftest import DATA
 from shipped_cells import changed_cell
 
 import mrts
-from mrts.cell.hands import pad_contact
 
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
 CUP = {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}
@@ -33,7 +32,7 @@ def test_contacts_are_read_in_order_and_named_by_kind(tmp_path):
     assert [contact.name for contact in left.contacts] == ["pad", "suction", "gripper", "rows", "box", "pad2"]
     assert [len(contact.rows) for contact in left.contacts] == [17, 17, 30, 2, 2, 17]
     assert [contact.frame for contact in left.contacts] == ["tip"] * 4 + ["object", "tip"]
-    made = pad_contact(friction=0.5, normal=[0, 0, 1], half_width=[0.03, 0.02], force=[0, 100])
+    (made,) = cell.with_values({"robots.right.contact": [{"pad": PAD}]}).robots[1].contacts
     read = left.contacts[0]
     assert read.rows == made.rows
     for array in ("A", "lower", "upper"):
@@ -44,11 +43,11 @@ def test_contacts_are_read_in_order_and_named_by_kind(tmp_path):
 
 WRONG = [
     ([{"pad": PAD | {"normal": [0, 0, 0]}}], "[0].pad.normal", "zero length"),
-    ([{"pad": PAD | {"normal": [0, 1]}}], "[0].pad.normal", "must be three finite numbers"),
-    ([{"pad": PAD | {"friction": -0.5}}], "[0].pad.friction", "must be a number > 0"),
-    ([{"suction": CUP | {"holding_force": -1}}], "[0].suction.holding_force", "must be a number > 0"),
-    ([{"suction": CUP | {"radius": 0}}], "[0].suction.radius", "must be a number > 0"),
-    ([{"gripper": JAWS | {"force": 0}}], "[0].gripper.force", "must be a number > 0"),
+    ([{"pad": PAD | {"normal": [0, 1]}}], "[0].pad.normal", "has 2 values, at least 3 belong here"),
+    ([{"pad": PAD | {"friction": -0.5}}], "[0].pad.friction", "must be >= 1e-06"),
+    ([{"suction": CUP | {"holding_force": -1}}], "[0].suction.holding_force", "must be >= 1e-06"),
+    ([{"suction": CUP | {"radius": 0}}], "[0].suction.radius", "must be >= 1e-06"),
+    ([{"gripper": JAWS | {"force": 0}}], "[0].gripper.force", "must be >= 1e-06"),
     ([{"pad": PAD | {"half_width": [0.03]}}], "[0].pad.half_width", "must be [a, b]"),
     ([{"pad": PAD | {"force": [50, 20]}}], "[0].pad.force", "0 <= least < most"),
     ([{"pad": PAD | {"force": [-5, 20]}}], "[0].pad.force", "cannot pull"),
@@ -66,9 +65,9 @@ WRONG = [
     ([{"pad": PAD}] * 21, "", "has 21 values, at most 20"),
 ]
 WRONG_IN_A_PLANE = [
-    ([{"pad": PAD}], "[0].pad.normal", "must lie in the plane"),
+    ([{"pad": FLAT | {"normal": [0, 0, 1]}}], "[0].pad.normal", "must lie in the plane"),
     ([{"pad": FLAT | {"half_width": [0.1, 0.1]}}], "[0].pad.half_width", "the contact is a line"),
-    ([{"gripper": JAWS | {"axis": [0, 0, 1]}}], "[0].gripper.axis", "must lie in the plane"),
+    ([{"gripper": JAWS | {"half_width": [0.02], "axis": [0, 0, 1]}}], "[0].gripper.axis", "must lie in the plane"),
     ([{"box": {"upper": [1] * 6}}], "[0].box.upper", "must have 3 values (fx, fy, nz)"),
     ([{"rows": {"A": [[1] * 6], "upper": [1]}}], "[0].rows.A", "each of "),
 ]

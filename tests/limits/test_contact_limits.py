@@ -7,7 +7,7 @@ import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 
 import mrts
-from mrts.cell.hands import box_contact, gripper_contact, pad_contact, suction_contact, tip_components
+from mrts.cell.hands import read_contacts, tip_components
 from mrts.motion.motion_file import MotionDescription, sample_motion
 
 SAME = 1e-8
@@ -32,23 +32,17 @@ def random_contacts(rng, cell):
             size=size // 3 + 1 if size == 6 else 2
         )
         widths = rng.uniform(0.02, 0.2, 2 if size == 6 else 1).tolist()
-        grip = {"friction": rng.uniform(0.3, 1.0), "half_width": widths, "components": components}
+        grip = {"friction": rng.uniform(0.3, 1.0), "half_width": widths}
         strength = float(rng.uniform(10, 80))
-        held = gripper_contact(force=strength, axis=normal, **grip)
-        pressed = pad_contact(force=[0, 3 * strength], normal=normal, **grip)
-        cup = suction_contact(
-            holding_force=strength, radius=widths[0], normal=normal, friction=0.6, components=components
-        )
+        held = {"gripper": grip | {"force": strength, "axis": normal}}
+        pressed = {"pad": grip | {"force": [0, 3 * strength], "normal": normal}}
+        cup = {"suction": {"holding_force": strength, "radius": widths[0], "normal": normal, "friction": 0.6}}
         most = rng.uniform(5, 60, size).tolist()
-        least = [-value for value in most]
-        boxes = [
-            box_contact(lower=least, upper=most, frame=frame, components=there, name=f"box{number}")
-            for number, (frame, there) in enumerate(
-                (("tip", components), ("object", cell.wrench_components), ("base", cell.wrench_components))
-            )
-        ]
-        kinds = [(held,), (cup,), (held, boxes[0]), (boxes[1], boxes[2]), (pressed,), ()]
-        contacts.append(kinds[int(rng.choice(len(kinds), p=[0.25, 0.15, 0.2, 0.2, 0.1, 0.1]))])
+        sides = {"lower": [-value for value in most], "upper": most}
+        boxes = [{"box": sides | {"frame": frame}} for frame in ("tip", "object", "base")]
+        kinds = [[held], [cup], [held, boxes[0]], [boxes[1], boxes[2]], [pressed], []]
+        chosen = kinds[int(rng.choice(len(kinds), p=[0.25, 0.15, 0.2, 0.2, 0.1, 0.1]))]
+        contacts.append(read_contacts("cell", "contact", chosen, cell.wrench_components, robot.T_object_tip.R))
     robots = (replace(robot, contacts=own) for robot, own in zip(cell.robots, contacts, strict=True))
     return replace(cell, robots=tuple(robots))
 
@@ -94,7 +88,8 @@ def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
     sides = {"object": (lower, upper), "base": (lower, upper), "tip": (np.minimum(*turned), np.maximum(*turned))}
     found = {}
     for frame, (least, most) in sides.items():
-        own = (box_contact(lower=least.tolist(), upper=most.tolist(), frame=frame),)
+        box = {"box": {"lower": least.tolist(), "upper": most.tolist(), "frame": frame}}
+        own = read_contacts("cell", "contact", [box], dual_ur5.wrench_components, left.T_object_tip.R)
         found[frame] = mrts.scale(with_contacts(dual_ur5, own, ()).without_velocity_limits(), motion)
         F = found[frame].wrench["left"]
         assert np.all((lower - 1e-6 <= F) & (upper + 1e-6 >= F))
