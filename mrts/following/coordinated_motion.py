@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, cross, freeze
+from mrts.base.arrays import Array, apply, cross, freeze
 from mrts.base.errors import InputError, MotionError, Remark, check_type
 from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.rigid_transform import plane_normal
@@ -137,38 +137,6 @@ def unchecked_coordinated_motion(
     return done
 
 
-@dataclass(frozen=True)
-class TipMotion:
-    """Pose of one tip in the world, and its velocity and acceleration in base axes and cell components."""
-
-    position: Array
-    rotation: Array
-    velocity: Array
-    acceleration: Array
-
-
-def tip_motions(cell: Cell, q: Array, dq: Array, ddq: Array) -> list[TipMotion]:
-    """Motion of every tip from the joints' motion, each Shape (N, m)."""
-    samples, robots = len(q), len(cell.robots)
-    poses = cell.functions("kinematics", samples, {"q": q})
-    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
-    bias = bias.reshape(samples, len(cell.wrench_components), robots)
-    positions = poses["position"].reshape(samples, 3, robots)
-    tips = []
-    for index, joints in enumerate(cell.joint_slices.values()):
-        J = poses["jacobian"][:, :, joints]
-        rates = J @ np.stack([dq[:, joints], ddq[:, joints]], axis=2)
-        tips.append(
-            TipMotion(
-                positions[:, :, index],
-                poses["rotation"][:, :, 3 * index : 3 * index + 3],
-                rates[:, :, 0],
-                rates[:, :, 1] + bias[:, :, index],
-            )
-        )
-    return tips
-
-
 def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     """Joint motion of every arm that keeps its grasp along the object's motion.
 
@@ -208,20 +176,27 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
 
 def carried_by_first(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> CoordinatedMotion:
     """The motion of the object that the first robot's tip carries, with the joints', each Shape (N, m)."""
-    return unchecked_coordinated_motion(carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0]), q, dq, ddq)
+    return unchecked_coordinated_motion(carried_by_each(cell, time, q, dq, ddq)[0], q, dq, ddq)
 
 
-def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion) -> ObjectMotion:
-    """The motion of the object that one tip carries; its rates are not compared with its poses."""
-    robot = cell.robots[index]
-    rotation = tip.rotation @ robot.T_object_tip.R.T
-    r = rotation @ robot.T_object_tip.p
-    rates = np.zeros((2, len(time), 6))
-    rates[..., cell.wrench_rows] = tip.velocity, tip.acceleration
-    v, w, a, dw = (rate[:, part] @ robot.T_world_base.R.T for rate in rates for part in (slice(3), slice(3, 6)))
-    twist = np.concatenate([v - cross(w, r), w], axis=1)
-    acceleration = np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1)
-    return unchecked_object_motion(time, tip.position - r, rotation, twist, acceleration)
+def carried_by_each(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> list[ObjectMotion]:
+    """The motions of the object that the tips carry, each by itself; their rates are not compared with their poses."""
+    samples, robots = len(q), len(cell.robots)
+    poses = cell.functions("kinematics", samples, {"q": q})
+    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), robots)
+    tips = poses["position"].reshape(samples, 3, robots)
+    carried = []
+    for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
+        rotation = poses["rotation"][:, :, 3 * index : 3 * index + 3] @ robot.T_object_tip.R.T
+        r = rotation @ robot.T_object_tip.p
+        J, rates = poses["jacobian"][:, :, joints], np.zeros((2, samples, 6))
+        rates[..., cell.wrench_rows] = apply(J, dq[:, joints]), apply(J, ddq[:, joints]) + bias[:, :, index]
+        v, w, a, dw = (rate[:, part] @ robot.T_world_base.R.T for rate in rates for part in (slice(3), slice(3, 6)))
+        twist = np.concatenate([v - cross(w, r), w], axis=1)
+        acceleration = np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1)
+        carried.append(unchecked_object_motion(time, tips[:, :, index] - r, rotation, twist, acceleration))
+    return carried
 
 
 def check_motion(cell: Cell, motion: ObjectMotion) -> None:

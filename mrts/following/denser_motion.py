@@ -17,12 +17,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import (
-    CoordinatedMotion,
-    carried_object,
-    tip_motions,
-    unchecked_coordinated_motion,
-)
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, unchecked_coordinated_motion
 from mrts.following.grasp_closure import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.kernel.tracking import PATH
 from mrts.motion.object_courses import ProfiledPath
@@ -70,12 +65,12 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
     elif motion.course is None and isinstance(given.course, ProfiledPath):
         _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
-    tips = [] if known else tip_motions(cell, q, dq, ddq)
-    target = known or carried_object(cell, 0, at, tips[0])
+    carried = [] if known else carried_by_each(cell, at, q, dq, ddq)
+    target = known or carried[0]
     rough = unchecked_coordinated_motion(target, q, dq, ddq, _travel(motion, dq, [0, -1]))
     if holds(cell, rough, (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP) or not _closed(cell, motion):
         return rough
-    target = known or mean_object(cell, at, tips)
+    target = known or mean_object(carried)
     try:
         q = joints_on_grasps(cell, target, q)
         dq, ddq = nearest_rates(cell, target, q, dq, ddq)

@@ -16,13 +16,7 @@ from mrts.base.formats.record import Rule, check_attributes
 from mrts.base.manifest import GEOMETRY
 from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import (
-    CoordinatedMotion,
-    TipMotion,
-    carried_object,
-    tip_motions,
-    unchecked_coordinated_motion,
-)
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, unchecked_coordinated_motion
 from mrts.following.tracking import (
     CONDITION_LIMIT,
     POSE_TOLERANCE,
@@ -91,12 +85,15 @@ class ClosureBound:
         return f"{self.position:g} m and {self.angle:g} rad"
 
 
-def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> Array:
-    """Distances [m] and angles [rad] between the tips and their grasps on an object, Shape (2, n, N)."""
-    gaps = np.empty((2, len(tips), len(given.time)))
-    for index, (robot, tip) in enumerate(zip(cell.robots, tips, strict=True)):
-        gap = tip.position - given.position - rotated(given.rotation, robot.T_object_tip.p)
-        off = rotated(given.rotation, robot.T_object_tip.R) @ tip.rotation.transpose(0, 2, 1)
+def grasp_gaps(cell: Cell, given: ObjectMotion, carried: list[ObjectMotion]) -> Array:
+    """Distances [m] and angles [rad] between the tips and their grasps on an object, Shape (2, n, N).
+
+    Each tip is where it is by the object that it carries (`carried_by_each`).
+    """
+    gaps = np.empty((2, len(carried), len(given.time)))
+    for index, (robot, own) in enumerate(zip(cell.robots, carried, strict=True)):
+        gap = own.position - given.position + rotated(own.rotation - given.rotation, robot.T_object_tip.p)
+        off = given.rotation @ own.rotation.transpose(0, 2, 1)
         gaps[:, index] = np.sqrt(row_products(gap, gap)), angles_of_rotations(off)
     return gaps
 
@@ -112,7 +109,7 @@ def _worst(gaps: Array, bound: ClosureBound) -> tuple[int, int, float, str]:
 def slip(
     cell: Cell,
     given: ObjectMotion,
-    tips: list[TipMotion],
+    carried: list[ObjectMotion],
     shares: tuple[float, ...],
     rest: float,
     source: str | None = None,
@@ -121,8 +118,8 @@ def slip(
 
     Allowed are shares of the largest velocity and acceleration, which is left out if its share is, and what is rest.
     """
-    for robot, tip in zip(cell.robots, tips, strict=True):
-        rates = zip(tip_rates(cell, robot, given), (tip.velocity, tip.acceleration), strict=True)
+    for robot, own in zip(cell.robots, carried, strict=True):
+        rates = zip(tip_rates(cell, robot, given), tip_rates(cell, robot, own), strict=True)
         for what, share, (expected, ours) in zip(("velocities", "accelerations"), shares, rates, strict=False):
             size = max(float(np.max(np.abs(expected))), float(np.max(np.abs(ours))))
             off = np.abs(ours - expected)
@@ -157,8 +154,8 @@ def close_chain(
     if holds(cell, given, (min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle)), GIVEN_SLIP):
         return given
     source = given.course.source if carried and given.course else None
-    tips = tip_motions(cell, given.q, given.dq, given.ddq)
-    gaps = grasp_gaps(cell, given.object, tips)
+    by_each = carried_by_each(cell, given.object.time, given.q, given.dq, given.ddq)
+    gaps = grasp_gaps(cell, given.object, by_each)
     robot, sample, share, text = _worst(gaps, bound)
     if share > 1:
         raise MotionError(
@@ -172,12 +169,12 @@ def close_chain(
     shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
     if source == "positions":
         shares = shares[:1]
-        _check_accelerations(cell, given.object, tips, where)
-    if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP, source):
+        _check_accelerations(cell, given.object, by_each, where)
+    if misfit := slip(cell, given.object, by_each, shares, ROUNDED_SLIP, source):
         raise MotionError(f"{where}: {misfit}")
     if carried:
-        target = mean_object(cell, given.object.time, tips)
-        gaps = grasp_gaps(cell, target, tips)
+        target = mean_object(by_each)
+        gaps = grasp_gaps(cell, target, by_each)
     else:
         target = given.object
     q = joints_on_grasps(cell, target, given.q)
@@ -198,22 +195,22 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     """
     library, target = cell.functions.compiled, given.object
     if library is None:
-        tips = tip_motions(cell, given.q, given.dq, given.ddq)
-        near = np.all(np.max(grasp_gaps(cell, target, tips), axis=(1, 2)) <= gaps)
-        return bool(near) and slip(cell, target, tips, (share, share), REST_SLIP) is None
+        by_each = carried_by_each(cell, target.time, given.q, given.dq, given.ddq)
+        near = np.all(np.max(grasp_gaps(cell, target, by_each), axis=(1, 2)) <= gaps)
+        return bool(near) and slip(cell, target, by_each, (share, share), REST_SLIP) is None
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
     sizes = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
     fits = sizes[3::2] <= np.maximum(share * sizes[2::2], REST_SLIP)
     return bool((sizes[:2] <= np.reshape(gaps, (2, 1))).all() and fits.all())
 
 
-def _check_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion], where: str) -> None:
+def _check_accelerations(cell: Cell, given: ObjectMotion, carried: list[ObjectMotion], where: str) -> None:
     """Refuse accelerations that are noise: root mean square of the worst tip's slip by that of accelerations."""
     rough = 0.0
-    for robot, tip in zip(cell.robots, tips, strict=True):
-        expected = tip_rates(cell, robot, given)[1]
-        size = max(float(np.mean(expected**2)), float(np.mean(tip.acceleration**2)), ROUNDED_SLIP**2)
-        rough = max(rough, float(np.sqrt(np.mean((tip.acceleration - expected) ** 2) / size)))
+    for robot, own in zip(cell.robots, carried, strict=True):
+        expected, ours = (tip_rates(cell, robot, motion)[1] for motion in (given, own))
+        size = max(float(np.mean(expected**2)), float(np.mean(ours**2)), ROUNDED_SLIP**2)
+        rough = max(rough, float(np.sqrt(np.mean((ours - expected) ** 2) / size)))
     if rough > ROUGH:
         raise MotionError(
             f"{where}: the joint accelerations, which were found from the positions, are rough: the hands, which hold "
@@ -234,16 +231,15 @@ def _correction(cell: Cell, gaps: Array, bound: ClosureBound, moved: float) -> t
     return (Remark("chain-closed", told, sample),)
 
 
-def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
+def mean_object(carried: list[ObjectMotion]) -> ObjectMotion:
     """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
-    carried = [carried_object(cell, index, time, tip) for index, tip in enumerate(tips)]
     first = carried[0].rotation
     off = [vectors_from_rotations(each.rotation @ first.transpose(0, 2, 1)) for each in carried]
     position, twist, acceleration = (
         np.mean([getattr(each, name) for each in carried], axis=0) for name in ("position", "twist", "acceleration")
     )
     rotation = rotations_from_vectors(np.mean(off, axis=0)) @ first
-    return unchecked_object_motion(time, position, rotation, twist, acceleration)
+    return unchecked_object_motion(carried[0].time, position, rotation, twist, acceleration)
 
 
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:

@@ -16,7 +16,7 @@ from mrts.base.errors import InputError, Remark, as_path, check_type, printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks
-from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
 from mrts.following.grasp_closure import ClosureBound, grasp_gaps, mean_object
 from mrts.limits.rows import RowName, joint_rows, row_names
 from mrts.motion.joint_table import joint_contradictions
@@ -239,9 +239,9 @@ def _carried(
     cell: Cell, at: Array, course: tuple[Array, Array, Array], bound: ClosureBound
 ) -> tuple[CoordinatedMotion, list[LimitUse]]:
     """The object as the hands carry it on the mean, and how far each is off its grasp."""
-    tips = tip_motions(cell, *course)
-    carried = mean_object(cell, at, tips)
-    gaps = grasp_gaps(cell, carried, tips)
+    by_each = carried_by_each(cell, at, *course)
+    carried = mean_object(by_each)
+    gaps = grasp_gaps(cell, carried, by_each)
     names = [
         RowName(kind, robot.name, unit=unit)
         for kind, unit in (("grasp distance", "m"), ("grasp angle", "rad"))

@@ -11,7 +11,7 @@ import mrts
 from mrts.base.arrays import apply
 from mrts.base.manifest import GEOMETRY
 from mrts.cli import main
-from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
 from mrts.following.grasp_closure import grasp_gaps, nearest_rates
 from mrts.following.tracking import CONDITION_LIMIT, tip_rates
 from mrts.kernel.tracking import closure_sizes
@@ -25,15 +25,12 @@ def assert_same(cell, motion):
     inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
     found = closure_sizes(cell.library, inputs, motion.object.position, cell.geometry, cell.wrench_rows)
     distance, angle, *rates = found
-    tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
-    gaps = grasp_gaps(cell, motion.object, tips)
+    carried = carried_by_each(cell, motion.object.time, motion.q, motion.dq, motion.ddq)
+    gaps = grasp_gaps(cell, motion.object, carried)
     np.testing.assert_allclose([distance, angle], np.max(gaps, axis=2), atol=ROUNDING)
-    for index, (robot, tip) in enumerate(zip(cell.robots, tips, strict=True)):
-        velocity, acceleration = tip_rates(cell, robot, motion.object)
-        for ours, expected, size, slip in (
-            (tip.velocity, velocity, *rates[:2]),
-            (tip.acceleration, acceleration, *rates[2:]),
-        ):
+    for index, (robot, own) in enumerate(zip(cell.robots, carried, strict=True)):
+        pairs = zip(tip_rates(cell, robot, own), tip_rates(cell, robot, motion.object), strict=True)
+        for (ours, expected), size, slip in zip(pairs, rates[::2], rates[1::2], strict=True):
             np.testing.assert_allclose(size[index], max(np.max(np.abs(ours)), np.max(np.abs(expected))), rtol=ROUNDING)
             np.testing.assert_allclose(slip[index], np.max(np.abs(ours - expected)), rtol=ROUNDING, atol=ROUNDING)
 
@@ -87,13 +84,12 @@ def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, 
 
 def assert_closed(cell, motion, tolerance=1e-9):
     """By the arms' forward kinematics: positions, velocities and accelerations of all hands fit the object."""
-    tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
-    gaps = grasp_gaps(cell, motion.object, tips)
+    carried = carried_by_each(cell, motion.object.time, motion.q, motion.dq, motion.ddq)
+    gaps = grasp_gaps(cell, motion.object, carried)
     assert np.max(gaps) < tolerance
-    for robot, tip in zip(cell.robots, tips, strict=True):
-        velocity, acceleration = tip_rates(cell, robot, motion.object)
-        np.testing.assert_allclose(tip.velocity, velocity, atol=tolerance)
-        np.testing.assert_allclose(tip.acceleration, acceleration, atol=100 * tolerance)
+    for own in carried:
+        np.testing.assert_allclose(own.twist, motion.object.twist, atol=tolerance)
+        np.testing.assert_allclose(own.acceleration, motion.object.acceleration, atol=100 * tolerance)
 
 
 def assert_own_derivatives(motion, tolerance):

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_vectors
-from mrts.following.coordinated_motion import tip_motions
+from mrts.following.coordinated_motion import carried_by_each
 from mrts.following.grasp_closure import grasp_gaps
 from mrts.following.tracking import (
     CONDITION_LIMIT,
@@ -57,15 +57,14 @@ def drawn_motion(rng, cell, samples=21):
 
 def gap_left(cell, motion, sample, joints, index, start):
     """The least that scipy leaves of an arm's grasp at a sample, from joints that are near [m, rad]."""
-    grasp, R = cell.robots[index].T_object_tip, motion.rotation[sample]
+    grasp = cell.robots[index].T_object_tip.p
 
     def off(q):
         whole = start[None].copy()
         whole[:, joints] = q
-        tip = tip_motions(cell, whole, 0 * whole, 0 * whole)[index]
-        return np.concatenate(
-            [tip.position[0] - motion.position[sample] - R @ grasp.p, (tip.rotation[0] - R @ grasp.R).ravel()]
-        )
+        own = carried_by_each(cell, np.zeros(1), whole, 0 * whole, 0 * whole)[index]
+        turned = own.rotation[0] - motion.rotation[sample]
+        return np.concatenate([own.position[0] - motion.position[sample] + turned @ grasp, turned.ravel()])
 
     return np.max(np.abs(least_squares(off, start[joints], xtol=1e-15, ftol=1e-15, gtol=1e-15).fun))
 
@@ -80,8 +79,8 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
         start, gap, turn, _ = solve_grasps(cell, motion, 0, posture[None], FURTHER_STEPS, near=posture)
         found = follow_from(cell, motion, start)
         q, dq, ddq = found.q[0], found.dq[0], found.ddq[0]
-        tips = tip_motions(cell, q, dq, ddq)
-        gaps = grasp_gaps(cell, motion, tips)
+        carried = carried_by_each(cell, motion.time, q, dq, ddq)
+        gaps = grasp_gaps(cell, motion, carried)
         for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
             if not reached(gap, turn)[0, index]:
                 continue
@@ -89,8 +88,8 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
             met[code] += 1
             held = slice(None if code == FOLLOWED else sample)
             assert np.max(gaps[:, index, held], initial=0) < HELD
-            for ours, rate in zip((tips[index].velocity, tips[index].acceleration), tip_rates(cell, robot, motion),
-                                  strict=True):  # fmt: skip
+            pairs = zip(tip_rates(cell, robot, carried[index]), tip_rates(cell, robot, motion), strict=True)
+            for ours, rate in pairs:
                 np.testing.assert_allclose(ours[held], rate[held], rtol=HELD, atol=HELD * (1 + np.max(np.abs(rate))))
             assert np.max(np.abs(np.diff(q[held, joints], axis=0)), initial=0) < 3 * JUMP_LIMIT
             if code in {FOLLOWED, OUT_OF_REACH}:
