@@ -13,9 +13,9 @@ from mrts.cell.hands import Contact as Contact
 from mrts.cell.motors import JointMotors as JointMotors
 from mrts.cell.robot import Robot as Robot
 from mrts.collisions.clearance import clearance as clearance
+from mrts.following.coordinate import ClosureBound as ClosureBound
 from mrts.following.coordinated_motion import CoordinatedMotion as CoordinatedMotion
 from mrts.following.coordinated_motion import follow_object as follow_object
-from mrts.following.grasp_closure import ClosureBound as ClosureBound
 from mrts.identification.identify import identify as identify
 from mrts.limits.rows import RowName as RowName
 from mrts.motion.joint_recording import JointRecording as JointRecording

@@ -12,7 +12,7 @@ from mrts.commands.console import BAD_INPUT, FEASIBLE, INFEASIBLE, QUIET, Output
 from mrts.commands.options import Named
 
 if TYPE_CHECKING:
-    from mrts.following.grasp_closure import ClosureBound
+    from mrts.following.coordinate import ClosureBound
 
 CODES = {"fine": FEASIBLE, "impossible": INFEASIBLE, "wrong-input": BAD_INPUT}
 """Exit code by what came of the check."""

@@ -13,7 +13,7 @@ from mrts.commands.console import FEASIBLE, say, working
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:
-    from mrts.following.grasp_closure import ClosureBound
+    from mrts.following.coordinate import ClosureBound
     from mrts.program.rate_limits import Rates
 
 

@@ -30,7 +30,7 @@ from mrts.plots import FIGURE_FORMATS
 if TYPE_CHECKING:
     from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
-    from mrts.following.grasp_closure import ClosureBound
+    from mrts.following.coordinate import ClosureBound
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.load_sharing import LoadSharing
@@ -252,7 +252,7 @@ def _sharing(shares: list[float] | None) -> "LoadSharing":
 
 
 def _closure(bounds: list[float]) -> "ClosureBound":
-    from mrts.following.grasp_closure import ClosureBound
+    from mrts.following.coordinate import ClosureBound
 
     return ClosureBound(*bounds)
 

@@ -1,22 +1,97 @@
 # SPDX-License-Identifier: MIT
-"""Motion of the whole cell from whatever is known of it: the object, a table of joints, or both."""
+"""Motion of the whole cell from whatever is known of it: the object, a table of joints, or both.
 
-from collections.abc import Sequence
-from dataclasses import replace
-from pathlib import Path
+Given joints miss their grasps by a planner's tolerance, by rounding, or by a spline: they are moved onto them.
+"""
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from types import NoneType
+from typing import Annotated
 
-from mrts.base.errors import InputError, Remark, check_type
+import numpy as np
+
+from mrts.base.arrays import Array, apply, rotated, row_products
+from mrts.base.errors import InputError, MotionError, Remark, check_type
+from mrts.base.formats.record import Rule, check_attributes
+from mrts.base.manifest import GEOMETRY
+from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_first, follow_object
-from mrts.following.grasp_closure import ClosureBound, close_chain
-from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits
-from mrts.motion.joint_table import JointTable
-from mrts.motion.object_motion import ObjectMotion
+from mrts.following.coordinated_motion import (
+    CoordinatedMotion,
+    carried_by_each,
+    carried_by_first,
+    follow_object,
+    unchecked_coordinated_motion,
+)
+from mrts.following.tracking import (
+    CONDITION_LIMIT,
+    POSE_TOLERANCE,
+    PRINTED_TOLERANCE,
+    TRACKING_STEPS,
+    check_joint_limits,
+    solve_grasps,
+    tip_rates,
+    tracking_failure,
+)
+from mrts.kernel.tracking import OUT_OF_REACH, SINGULAR, closure_sizes
+from mrts.motion.joint_table import MOST_NAMED, JointTable, required_columns
+from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
-MOST_NAMED = 12
-"""Joints named in a remark; a humanoid has more."""
+WITHIN = Rule(gt=0, le=0.1)
+"""[m, rad]; hands that far from their grasps hold another object."""
+
+RAD_PER_M = 2.5
+"""The bound on rotations where only that on positions is given: 5 mrad for 2 mm, as planners' tolerances come."""
+
+GIVEN_CLOSURE = 1e-4
+"""Gap between tip and grasp that changes nothing [m, rad]: given joints are taken as they are."""
+
+GIVEN_SLIP = 1e-2
+"""Slip of a tip on its grasp that changes nothing, relative to the largest velocity or acceleration."""
+
+COARSE_SLIPS = (0.1, 0.5)
+"""Slips in velocity and in acceleration that gaps or splines may explain; in proportion more for a wider bound."""
+
+ROUGH = 1.0
+"""Typical slip of accelerations from positions, relative to the typical acceleration: from here on they are noise."""
+
+SILENT_GAP = 1e-6
+"""Gap that is closed without a word [m, rad]: any table has it."""
+
+REST_SLIP = 1e-9
+"""Slip of an object at rest that is rounding [m/s, rad/s and per s]."""
+
+ROUNDED_SLIP = 1e-3
+"""The same where rates carry few digits."""
+
+
+@dataclass(frozen=True)
+class ClosureBound:
+    """How far hands may be off their grasps in joint motion that is given; they are then moved onto them.
+
+    Attributes:
+        position: Largest distance between a tip and its grasp [m].
+        rotation: Largest angle between them [rad]; None is 2.5 rad per m of `position`.
+
+    Raises:
+        InputError: If one is no number above 0, or larger than any hand is off its grasp.
+    """
+
+    position: Annotated[float, WITHIN] = 2e-3
+    rotation: Annotated[float, WITHIN] | None = None
+
+    def __post_init__(self) -> None:
+        check_attributes(self, ClosureBound, "closure")
+
+    @property
+    def angle(self) -> float:
+        """Largest angle between tip and grasp [rad]."""
+        return RAD_PER_M * self.position if self.rotation is None else self.rotation
+
+    def __str__(self) -> str:
+        return f"{self.position:g} m and {self.angle:g} rad"
 
 
 def coordinate(
@@ -49,10 +124,7 @@ def coordinate(
 
 
 def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:
-    names, extra = required_columns(cell, table.path, [*table.positions, *table.unusable])
-    for name in names:
-        if name in table.unusable:
-            raise table.unusable[name]
+    names, extra = required_columns(cell, cell.robots, table.path, table.positions, table.unusable)
     told = f"joints that no arm of cell '{cell.name}' has were passed over: {first_names(sorted(extra), MOST_NAMED)}."
     remarks = (Remark("extra-joints", told),) if extra else ()
     time, joints, course, said = table.of(names)
@@ -62,53 +134,210 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     return close_chain(cell, given, bound, str(table.path), carried=True)
 
 
-def required_columns(cell: Cell, path: Path, columns: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The column of each joint of a cell, in its order, and the columns of other joints.
+def grasp_gaps(cell: Cell, given: ObjectMotion, carried: list[ObjectMotion]) -> Array:
+    """Distances [m] and angles [rad] between the tips and their grasps on an object, Shape (2, n, N).
+
+    Each tip is where it is by the object that it carries (`carried_by_each`).
+    """
+    gaps = np.empty((2, len(carried), len(given.time)))
+    for index, (robot, own) in enumerate(zip(cell.robots, carried, strict=True)):
+        gap = own.position - given.position + rotated(own.rotation - given.rotation, robot.T_object_tip.p)
+        off = given.rotation @ own.rotation.transpose(0, 2, 1)
+        gaps[:, index] = np.sqrt(row_products(gap, gap)), angles_of_rotations(off)
+    return gaps
+
+
+def _worst(gaps: Array, bound: ClosureBound) -> tuple[int, int, float, str]:
+    """Robot and sample of the largest gap in units of the bound, that gap, and the same as text."""
+    share = np.max(gaps / np.reshape([bound.position, bound.angle], (2, 1, 1)), axis=0)
+    robot, sample = (int(place) for place in np.unravel_index(int(np.argmax(share)), share.shape))
+    text = "{:.3g} m and {:.3g} rad".format(*gaps[:, robot, sample])
+    return robot, sample, float(share[robot, sample]), text
+
+
+def slip(
+    cell: Cell,
+    given: ObjectMotion,
+    carried: list[ObjectMotion],
+    shares: tuple[float, ...],
+    rest: float,
+    source: str | None = None,
+) -> str | None:
+    """Where the tips' velocities or accelerations do not fit the object's, as a sentence; None if they fit.
+
+    Allowed are shares of the largest velocity and acceleration, which is left out if its share is, and what is rest.
+    """
+    for robot, own in zip(cell.robots, carried, strict=True):
+        rates = zip(tip_rates(cell, robot, given), tip_rates(cell, robot, own), strict=True)
+        for what, share, (expected, ours) in zip(("velocities", "accelerations"), shares, rates, strict=False):
+            size = max(float(np.max(np.abs(expected))), float(np.max(np.abs(ours))))
+            off = np.abs(ours - expected)
+            if np.max(off) > max(share * size, rest):
+                worst, _ = np.unravel_index(int(np.argmax(off)), off.shape)
+                found, advice = "", f"Check the {what}."
+                if source not in {None, what}:
+                    found = f", which were found from the {source},"
+                    advice = f"Give the {what} too, or {source} with more digits, less noise or at more times."
+                return (
+                    f"the joint {what}{found} do not fit the object's: at sample {worst} (t = {given.time[worst]:.6g} "
+                    f"s) the tip of '{robot.name}' slips on its grasp by {np.max(off):.3g} (m, rad per s or s²); the "
+                    f"largest is {size:.3g}. {advice}"
+                )
+    return None
+
+
+def close_chain(
+    cell: Cell, given: CoordinatedMotion, bound: ClosureBound, where: str, *, carried: bool
+) -> CoordinatedMotion:
+    """Given joints that hold every grasp: unchanged where they do already, else moved onto the grasps.
+
+    The object then moves as the hands carry it on the mean. Every arm takes the positions on its grasp nearest to the
+    given ones, and the velocities and accelerations nearest to the given ones that keep it there.
+
+    Args:
+        carried: Whether the object's motion is that of the first hand; else it is given and stays.
 
     Raises:
-        InputError: If a joint has no column, or two.
+        MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
     """
-    found = columns_by_joint(cell, path, columns)
-    extra = [name for name in columns if name not in found.values()]
-    for joint in cell.joint_names:
-        if joint not in found:
-            raise InputError(
-                path,
-                f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
-                f"a trajectory under /{joint.partition('/')[0]}/joint_trajectory.{other_columns(extra)}",
-            )
-    return [found[joint] for joint in cell.joint_names], extra
+    if holds(cell, given, (min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle)), GIVEN_SLIP):
+        return given
+    source = given.course.source if carried and given.course else None
+    by_each = carried_by_each(cell, given.object.time, given.q, given.dq, given.ddq)
+    gaps = grasp_gaps(cell, given.object, by_each)
+    robot, sample, share, text = _worst(gaps, bound)
+    if share > 1:
+        raise MotionError(
+            f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
+            f"{text} at sample {sample} (t = {given.object.time[sample]:.6g} s), the worst; {bound} "
+            "are allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they "
+            "are right, allow more with --closure (argument closure)."
+        )
+    exact, usual = bool(np.max(gaps) <= GIVEN_CLOSURE), ClosureBound()
+    wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
+    shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
+    if source == "positions":
+        shares = shares[:1]
+        _check_accelerations(cell, given.object, by_each, where)
+    if misfit := slip(cell, given.object, by_each, shares, ROUNDED_SLIP, source):
+        raise MotionError(f"{where}: {misfit}")
+    if carried:
+        target = mean_object(by_each)
+        gaps = grasp_gaps(cell, target, by_each)
+    else:
+        target = given.object
+    q = joints_on_grasps(cell, target, given.q)
+    check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
+    _check_regular(cell, target.time, q)
+    dq, ddq = nearest_rates(cell, target, q, given.dq, given.ddq)
+    moved = float(np.max(np.abs(q - given.q)))
+    told = given.remarks + _correction(cell, gaps, bound, moved)
+    course = given.course and replace(given.course, closed=True)
+    return unchecked_coordinated_motion(target, q, dq, ddq, None, told, course)
 
 
-def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str, str]:
-    """Joints "robot/joint" of a cell with the columns of a file that are theirs, if any.
+def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:
+    """Whether joints hold every grasp along a motion.
 
-    "joint" alone, or a first name that is no robot's, may stand for it where one robot alone has such a joint, or where
-    the joint is called robot_joint, as in a machine of two equal arms.
-
-    Raises:
-        InputError: If two columns are the same joint.
+    Allowed are gaps, a distance [m] and an angle [rad], and a share of the largest velocity, or acceleration, of a tip
+    by which it slips on its grasp.
     """
-    robots = {robot.name: robot.joints for robot in cell.robots}
-    joints = {*cell.joint_names}
-    found = {name: name for name in columns if name in joints}
-    for name in columns:
-        prefix, _, joint = name.rpartition("/")
-        owners = [f"{robot}/{joint}" for robot in robots if joint in robots[robot]] or [
-            f"{robot}/{own}" for robot in robots for own in robots[robot] if joint == f"{robot}_{own}"
-        ]
-        if name in found or prefix in robots or len(owners) != 1:
-            continue
-        meant = owners[0]
-        if found.get(meant) == meant:
-            continue  # another robot's joint of the same name
-        if meant in found:
-            raise InputError(path, f"'{found[meant]}' and '{name}' are the same joint of cell '{cell.name}'.")
-        found[meant] = name
-    return found
+    library, target = cell.functions.compiled, given.object
+    if library is None:
+        by_each = carried_by_each(cell, target.time, given.q, given.dq, given.ddq)
+        near = np.all(np.max(grasp_gaps(cell, target, by_each), axis=(1, 2)) <= gaps)
+        return bool(near) and slip(cell, target, by_each, (share, share), REST_SLIP) is None
+    inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
+    sizes = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
+    fits = sizes[3::2] <= np.maximum(share * sizes[2::2], REST_SLIP)
+    return bool((sizes[:2] <= np.reshape(gaps, (2, 1))).all() and fits.all())
 
 
-def other_columns(extra: Sequence[str]) -> str:
-    """What is said where a joint is missing, of columns that are none's or may be two's; empty if there are none."""
-    names = first_names(sorted(extra), MOST_NAMED)
-    return f" Of no joint of the cell, or of two, are {names}: is one of them meant?" if extra else ""
+def _check_accelerations(cell: Cell, given: ObjectMotion, carried: list[ObjectMotion], where: str) -> None:
+    """Refuse accelerations that are noise: root mean square of the worst tip's slip by that of accelerations."""
+    rough = 0.0
+    for robot, own in zip(cell.robots, carried, strict=True):
+        expected, ours = (tip_rates(cell, robot, motion)[1] for motion in (given, own))
+        size = max(float(np.mean(expected**2)), float(np.mean(ours**2)), ROUNDED_SLIP**2)
+        rough = max(rough, float(np.sqrt(np.mean((ours - expected) ** 2) / size)))
+    if rough > ROUGH:
+        raise MotionError(
+            f"{where}: the joint accelerations, which were found from the positions, are rough: the hands, which hold "
+            f"one object, differ typically by {rough:.2g} times the acceleration, so most of it is noise. Smooth them "
+            "(--smooth 1e-3; in Python load_motion(…, smooth=1e-3)), or give velocities and accelerations, more digits "
+            "or fewer positions."
+        )
+
+
+def _correction(cell: Cell, gaps: Array, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
+    if np.max(gaps) <= SILENT_GAP:
+        return ()
+    robot, sample, _, text = _worst(gaps, bound)
+    told = (
+        f"the given joints were moved onto the grasps: the tip of '{cell.robots[robot].name}' by {text} at sample "
+        f"{sample}, the worst; no joint by more than {moved:.3g} rad or m."
+    )
+    return (Remark("chain-closed", told, sample),)
+
+
+def mean_object(carried: list[ObjectMotion]) -> ObjectMotion:
+    """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
+    first = carried[0].rotation
+    off = [vectors_from_rotations(each.rotation @ first.transpose(0, 2, 1)) for each in carried]
+    position, twist, acceleration = (
+        np.mean([getattr(each, name) for each in carried], axis=0) for name in ("position", "twist", "acceleration")
+    )
+    rotation = rotations_from_vectors(np.mean(off, axis=0)) @ first
+    return unchecked_object_motion(carried[0].time, position, rotation, twist, acceleration)
+
+
+def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
+    """Joint positions on the grasps near the given ones, Shape (N, m)."""
+    held, gap, turn, _ = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
+    gaps = np.stack([gap.T, turn.T])
+    if gaps.max() > POSE_TOLERANCE:
+        robot, sample, *_ = _worst(gaps, ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
+        amounts = gaps[:, robot, sample].tolist()
+        raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
+    return held
+
+
+def _check_regular(cell: Cell, time: Array, q: Array) -> None:
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        condition = np.linalg.cond(jacobians[:, :, joints])
+        if not np.all(condition < CONDITION_LIMIT):
+            worst = int(np.argmax(condition))
+            raise MotionError(tracking_failure(SINGULAR, robot, time, worst, condition[[worst]].tolist()).message)
+
+
+def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
+    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
+
+    The positions are on the grasps. A direction that a singular arm has lost is left as given.
+    """
+    dq, ddq, samples = dq.copy(), ddq.copy(), len(q)
+    rates = [tip_rates(cell, robot, target) for robot in cell.robots]
+    jacobians = cell.functions("kinematics", samples, {"q": q})["jacobian"]
+    inverses = []
+    for joints, (velocity, _) in zip(cell.joint_slices.values(), rates, strict=True):
+        J = jacobians[:, :, joints]
+        inverses.append(_inverses(J))
+        dq[:, joints] += apply(inverses[-1], velocity - apply(J, dq[:, joints]))
+    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))
+    for index, (joints, (_, acceleration)) in enumerate(zip(cell.joint_slices.values(), rates, strict=True)):
+        missing = acceleration - bias[:, :, index] - apply(jacobians[:, :, joints], ddq[:, joints])
+        ddq[:, joints] += apply(inverses[index], missing)
+    return dq, ddq
+
+
+def _inverses(J: Array) -> Array:
+    """Pseudoinverses of Jacobians without the directions that a singular arm has lost, Shape (N, n_i, w)."""
+    if J.shape[1] == J.shape[2]:
+        with suppress(np.linalg.LinAlgError):
+            inverses = np.asarray(np.linalg.inv(J), dtype=np.float64)
+            condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverses, axis=(1, 2))  # or less
+            if (condition < CONDITION_LIMIT).all():
+                return inverses
+    return np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64)

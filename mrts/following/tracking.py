@@ -14,7 +14,7 @@ where x⁺ and x⁻ grow from 0 to 1 over the zone beside the upper and the lowe
 along the path, give q' and q'' (kernel/c/tracking.c).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -306,19 +306,17 @@ def track_variants(
         refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
     """
     library, rule = cell.functions.motion_library, tracking_rule(cell)
-    given, beyond = {**path, "geometry": geometry, "posture": posture}, np.zeros(1, dtype=bool)
+    given, passed = {**path, "geometry": geometry, "posture": posture}, refused.copy()
     if len(refused) > 1:  # one is searched in less time
-        start = {name: path[name][:, :1] for name in ("position", "rotation")}
-        for _, longest, distance in _stretches(cell, start, geometry):
-            beyond = beyond | (distance[0] > longest + CLEARLY)
+        passed[list(_out_of_reach(cell, path, geometry, np.flatnonzero(~refused), slice(1)))] = True
     nothing = np.zeros((1, 0, posture.shape[1]))
-    found = follow_variants(library, rule, refused | beyond, {**given, "further": nothing})
+    found = follow_variants(library, rule, passed, {**given, "further": nothing})
     time = np.broadcast_to(path["time"], (len(refused), path["time"].shape[1]))
     tracked = TrackedVariants(cell.robots, time, *found, {})
     failed = np.flatnonzero(~refused & ~tracked.followed)
     if not failed.size:
         return tracked
-    tracked.reasons.update(_reasons(cell, path, geometry, time, failed))
+    tracked.reasons.update(_out_of_reach(cell, path, geometry, failed))
     code = tracked.outcome["code"]
     may_start = np.any((code == tracking.NO_START) | (code == tracking.START_PAST), axis=1)
     may_start[list(tracked.reasons)] = False
@@ -334,42 +332,31 @@ def track_variants(
     return tracked
 
 
-def _reasons(
-    cell: Cell, path: Mapping[str, Array], geometry: Array, time: Array, failed: NDArray[np.intp]
+def _out_of_reach(
+    cell: Cell, path: Mapping[str, Array], geometry: Array, chosen: NDArray[np.intp], samples: slice = slice(None)
 ) -> dict[int, str]:
-    """By variant of those that failed, why it is surely out of reach: of the first arm that is."""
-    reasons: dict[int, str] = {}
-    some = {name: _some(path[name], failed) for name in ("position", "rotation")}
-    for robot, longest, distance in _stretches(cell, some, _some(geometry, failed)):
-        of_failed = np.broadcast_to(distance, (len(distance), len(failed))).T
-        for variant, own in zip(failed.tolist(), of_failed, strict=True):
-            sample = int(np.argmax(own))
-            far, at = float(own[sample]), f"sample {sample} (t = {time[variant, sample]:.6g} s)"
-            if far > longest + CLEARLY:
-                why = (
-                    f"robot '{robot.name}' cannot reach its grasp at {at}: its wrist would be {far:.6g} m from its "
-                    f"shoulder and reaches {longest:.6g} m: {far - longest:.3g} m too far. Move the path, the base or "
-                    "the grasp."
-                )
-                reasons.setdefault(variant, why)
-    return reasons
-
-
-def _stretches(cell: Cell, path: Mapping[str, Array], geometry: Array) -> Iterator[tuple[Robot, float, Array]]:
-    """Of arms whose links tell it, how far wrist and shoulder may be apart [m], and would be, Shape (N, V or 1)."""
-    position, rotation = (path[name].swapaxes(0, 1) for name in ("position", "rotation"))
+    """Of some variants those whose links are too short at some samples: why, of the first such arm."""
+    parts = (_some(path[name], chosen)[:, samples] for name in ("time", "position", "rotation"))
+    time, position, rotation = (part.swapaxes(0, 1) for part in parts)
+    geometry, reasons = _some(geometry, chosen), dict[int, str]()
     for index, robot in enumerate(cell.robots):
-        if (reach := arm_reach(robot)) is not None:
-            (shoulder, wrist, longest), of = reach, geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
-            base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
-            held = position + (rotation @ (of[:, 21:24] + tip @ wrist)[..., None])[..., 0]
-            yield robot, longest, np.linalg.norm(held - of[:, 9:12] - base @ shoulder, axis=-1)
-
-
-def starting_reference(cell: Cell) -> Array:
-    """The postures of all arms, moved inside their limits where they are not, Shape (m,) [rad or m]."""
-    inside = [np.clip(robot.posture, robot.position_lower, robot.position_upper) for robot in cell.robots]
-    return np.concatenate(inside)
+        if (reach := arm_reach(robot)) is None:
+            continue
+        (shoulder, wrist, longest), of = reach, geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
+        base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
+        held = position + (rotation @ (of[:, 21:24] + tip @ wrist)[..., None])[..., 0]
+        distance = np.linalg.norm(held - of[:, 9:12] - base @ shoulder, axis=-1)
+        times, distances = (np.broadcast_to(part, (len(part), len(chosen))).T for part in (time, distance))
+        for place in np.flatnonzero((distances > longest + CLEARLY).any(axis=1)).tolist():
+            sample = int(np.argmax(distances[place]))
+            far, at = float(distances[place, sample]), f"sample {sample} (t = {times[place, sample]:.6g} s)"
+            why = (
+                f"robot '{robot.name}' cannot reach its grasp at {at}: its wrist would be {far:.6g} m from its "
+                f"shoulder and reaches {longest:.6g} m: {far - longest:.3g} m too far. Move the path, the base or "
+                "the grasp."
+            )
+            reasons.setdefault(int(chosen[place]), why)
+    return reasons
 
 
 def further_starts(robot: Robot, posture: Array) -> Array:
@@ -432,7 +419,8 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     redundant = is_redundant(cell, robot)
     start = np.tile(cell.posture, (starts, 1))
     start[:, joints] = random_starts(robot, starts)
-    held, gap, turn, drift = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
+    reference = np.clip(cell.posture, *map(cell.stacked, ("position_lower", "position_upper")))
+    held, gap, turn, drift = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=reference)
     settled = reached(gap, turn) & (drift <= SETTLED_PREFERENCE)
     distinct: list[Array] = []
     for candidate in held[settled[:, index]][:, joints]:

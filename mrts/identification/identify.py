@@ -10,19 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, apply, freeze
+from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, Remark, check_type, is_number, printable
 from mrts.base.version import __version__
 from mrts.base.words import first_names
 from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.following.coordinate import MOST_NAMED, columns_by_joint, other_columns
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
-
-CHUNK = 4096
-"""Samples whose mass matrices are held at once."""
+from mrts.motion.joint_table import MOST_NAMED, columns_by_joint, required_columns
 
 CONFIDENCE = 0.95
 """Of the intervals."""
@@ -69,6 +66,7 @@ class ArmMotors:
 
     Attributes:
         robot: The arm.
+        motion: What was recorded of it, in blocks.
         value: Shape (n,), 0 where it is not identified.
         half_width: Half the interval of 95 % confidence, Shape (n,), infinity where it is not identified.
         reasons: Why the motion does not show it, "" where it does, Shape (n,).
@@ -77,16 +75,11 @@ class ArmMotors:
             Shape (n,) [N m or N].
         residual_rms: Of what was not explained, means of blocks, Shape (n,) [N m or N].
         explained: Share of the effort's variance that model and motors explain, Shape (n,).
-        cutoff: Of the filter [Hz].
-        time: Of the blocks, Shape (B,) [s].
-        used: Which blocks count, Shape (B, n).
-        velocity: Shape (B, n) [rad/s or m/s].
-        acceleration: Shape (B, n) [rad/s² or m/s²].
-        left_over: Effort without the torque of the rigid bodies, Shape (B, n) [N m or N].
-        fitted: What the motors say of that, Shape (B, n) [N m or N].
+        fitted: What the motors say of what the rigid bodies leave over, Shape (B, n) [N m or N].
     """
 
     robot: Robot
+    motion: RecordedMotion
     value: dict[str, Array]
     half_width: dict[str, Array]
     reasons: dict[str, NDArray[np.str_]]
@@ -94,12 +87,6 @@ class ArmMotors:
     offset: Array
     residual_rms: Array
     explained: Array
-    cutoff: float
-    time: Array
-    used: NDArray[np.bool_]
-    velocity: Array
-    acceleration: Array
-    left_over: Array
     fitted: Array
 
     def __post_init__(self) -> None:
@@ -180,11 +167,11 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
     remarks: list[Remark] = []
     arms = []
     for robot, joints in found:
-        motion = smoothed_motion(recording.path, robot, joints, cutoff)
+        motion = smoothed_motion(cell, robot, recording.path, joints, cutoff)
         _check_units(recording, robot, joints, motion)
-        arms.append(_identify_arm(cell, robot, motion))
-        remarks += _remarks(arms[-1], motion.speed_noise)
-    if not any(np.any(arm.used) for arm in arms):
+        arms.append(_identify_arm(robot, motion))
+        remarks += _remarks(arms[-1])
+    if not any(np.any(arm.motion.used) for arm in arms):
         raise InputError(
             recording.path,
             "nothing moves in this recording faster than what rest looks like: record a motion that turns every joint "
@@ -196,21 +183,12 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
 
 
 def _recorded_arms(cell: Cell, recording: JointRecording) -> list[tuple[Robot, list[RecordedJoint]]]:
-    columns = [*recording.joints, *recording.unusable]
+    columns, arms = [*recording.joints, *recording.unusable], []
     found = columns_by_joint(cell, recording.path, columns)
-    extra = [name for name in columns if name not in found.values()]
-    arms = []
     for robot in cell.robots:
-        joints = [f"{robot.name}/{joint}" for joint in robot.joints]
-        if not any(joint in found for joint in joints):
-            continue
-        for joint in joints:
-            if joint not in found:
-                rule = f"nothing is recorded of joint '{joint}' of cell '{cell.name}', but of others of this arm."
-                raise InputError(recording.path, rule + other_columns(extra))
-            if found[joint] in recording.unusable:
-                raise recording.unusable[found[joint]]
-        arms.append((robot, [recording.joints[found[joint]] for joint in joints]))
+        if any(f"{robot.name}/{joint}" in found for joint in robot.joints):
+            own, _ = required_columns(cell, [robot], recording.path, recording.joints, recording.unusable)
+            arms.append((robot, [recording.joints[name] for name in own]))
     if not arms:
         names, first = first_names(sorted(columns), MOST_NAMED), f"{cell.robots[0].name}/{cell.robots[0].joints[0]}"
         raise InputError(
@@ -233,7 +211,7 @@ def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJ
                 key=f"position of {robot.name}/{name}",
                 value=furthest,
             )
-        if np.ptp(joint.effort) == 0 and np.any(motion.known[:, place]):
+        if np.ptp(joint.effort) == 0 and np.any(motion.used[:, place]):
             raise InputError(
                 recording.path,
                 "is constant although the joint moves: no effort was measured.",
@@ -242,67 +220,37 @@ def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJ
             )
 
 
-def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors:
-    left_over = motion.blocks(motion.effort - _rigid_torque(cell, robot, motion))
-    effort, velocity, acceleration, sign = map(motion.blocks, (motion.effort, motion.dq, motion.ddq, motion.sign))
-    used = motion.blocks(motion.known.astype(np.float64)) == 1
+def _identify_arm(robot: Robot, motion: RecordedMotion) -> ArmMotors:
     limits = np.maximum(np.abs(robot.torque_lower), np.abs(robot.torque_upper))
-    recorded = np.max(np.abs(motion.dq), axis=0)
+    recorded = np.max(np.abs(motion.velocity), axis=0)
     fastest = np.where(np.isfinite(robot.velocity_limit), robot.velocity_limit, recorded)
+    columns = np.stack([motion.acceleration, motion.sign, motion.velocity], axis=2)
     parts = [
-        fit_joint(
-            np.column_stack([acceleration[:, place], sign[:, place], velocity[:, place]]),
-            left_over[:, place],
-            used[:, place],
-            float(fastest[place]),
-            float(limits[place]),
-        )
-        for place in range(len(robot.joints))
+        fit_joint(columns[:, place], left_over, used, float(fastest[place]), float(limits[place]))
+        for place, (left_over, used) in enumerate(zip(motion.left_over.T, motion.used.T, strict=True))
     ]
-    fits, offset, columns, residual_rms = zip(*parts, strict=True)
-    fitted = np.column_stack(columns)
+    fits, offset, fitted, residual_rms = zip(*parts, strict=True)
     return ArmMotors(
         robot=robot,
+        motion=motion,
         **{key: dict(zip(UNITS, np.array([fit[key] for fit in fits]).T, strict=True)) for key in fits[0]},
         offset=np.array(offset),
         residual_rms=np.array(residual_rms),
-        explained=_explained(effort, left_over - fitted, used),
-        cutoff=motion.cutoff,
-        time=motion.blocks(motion.time),
-        used=used,
-        velocity=velocity,
-        acceleration=acceleration,
-        left_over=left_over,
-        fitted=fitted,
+        explained=_explained(motion, np.array(residual_rms)),
+        fitted=np.column_stack(fitted),
     )
 
 
-def _rigid_torque(cell: Cell, robot: Robot, motion: RecordedMotion) -> Array:
-    """Torque of the links alone along the smoothed motion, the other arms at rest, Shape (N, n) [N m or N]."""
-    part = cell.joint_slices[robot.name]
-    rest = np.concatenate([other.posture for other in cell.robots])
-    parts = []
-    for start in range(0, len(motion.time), CHUNK):
-        some = slice(start, start + CHUNK)
-        count = len(motion.q[some])
-        q, dq = np.tile(rest, (count, 1)), np.zeros((count, len(rest)))
-        q[:, part], dq[:, part] = motion.q[some], motion.dq[some]
-        of = cell.functions("dynamics", count, {"q": q, "dq": dq})
-        torque = apply(of["mass_matrix"][:, part, part], motion.ddq[some])
-        parts.append(torque + of["coriolis_torque"][:, part] + of["gravity_torque"][:, part])
-    return np.concatenate(parts)
-
-
-def _explained(effort: Array, residual: Array, used: NDArray[np.bool_]) -> Array:
-    shares = np.ones(effort.shape[1])
-    for place, counted in enumerate(used.T):
-        variance = float(np.var(effort[counted, place])) if np.any(counted) else 0.0
+def _explained(motion: RecordedMotion, residual_rms: Array) -> Array:
+    shares = np.ones(len(residual_rms))
+    for place, used in enumerate(motion.used.T):
+        variance = float(np.var(motion.effort[used, place])) if np.any(used) else 0.0
         if variance > 0:
-            shares[place] = 1 - np.mean(residual[counted, place] ** 2) / variance
+            shares[place] = 1 - residual_rms[place] ** 2 / variance
     return shares
 
 
-def _remarks(arm: ArmMotors, speed_noise: Array) -> Iterator[Remark]:
+def _remarks(arm: ArmMotors) -> Iterator[Remark]:
     """What to know of each joint of an arm.
 
     Least squares take accelerations for exact, so noisy ones leave too little inertia. The mean acceleration of a
@@ -326,8 +274,8 @@ def _remarks(arm: ArmMotors, speed_noise: Array) -> Iterator[Remark]:
                 "N m (N) and not in A, on the joint side of the gear, was nothing in the hand, is the URDF that of "
                 "this arm, and its zero?",
             )
-        moving = arm.acceleration[arm.used[:, place], place]
-        noise = 2 * (speed_noise[place] * arm.cutoff) ** 2
+        moving = arm.motion.acceleration[arm.motion.used[:, place], place]
+        noise = 2 * (arm.motion.speed_noise[place] * arm.motion.cutoff) ** 2
         share = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
         if share > NOISY:
             yield Remark(
@@ -436,7 +384,8 @@ def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torqu
 
 def _block(arm: ArmMotors) -> list[str]:
     rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, arm.robot.torque_units, strict=True))
-    told = [f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz; residual rms {rms}"]
+    time, cutoff = arm.motion.time, arm.motion.cutoff
+    told = [f"{time[-1] - time[0]:.3g} s, filter {cutoff:.4g} Hz; residual rms {rms}"]
     motors: dict[str, Any] = {}
     for name, (turning, sliding) in UNITS.items():
         value, half_width, reasons = arm.value[name], arm.half_width[name], arm.reasons[name]

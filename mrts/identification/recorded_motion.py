@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Recorded joints of one arm at uniform times, smoothed without delay, and where the signs of their speeds are known.
+"""What was recorded of one arm, smoothed without delay, and where the signs of its joints' speeds are known.
 
 Positions and efforts go through one filter, a Butterworth low pass of second order run forwards and backwards: it is
 flat far below its cutoff, where arms move, delays nothing, and forgets within a period of its cutoff. Effort must not
@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, apply, freeze
 from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.motion.joint_recording import RecordedJoint
 
@@ -60,51 +61,52 @@ LONGEST_GAP = 0.25
 DEGREE = 5
 """Of the spline through smoothed positions."""
 
+CHUNK = 4096
+"""Samples whose mass matrices are held at once."""
+
 
 @dataclass(frozen=True, eq=False)
 class RecordedMotion:
-    """N uniform samples of an arm, smoothed.
+    """What was recorded of one arm, smoothed: means of B blocks.
+
+    A block is a period of the cutoff, beyond which the filter does not tie samples to each other.
 
     Attributes:
-        time: Shape (N,) [s] from 0.
-        rate: Of the samples [Hz].
         cutoff: Of the filter [Hz].
-        q: Joint positions, Shape (N, n) [rad or m].
-        dq: Shape (N, n) [rad/s or m/s].
-        ddq: Shape (N, n) [rad/s² or m/s²].
-        sign: Sign of the velocity, filtered like the effort, Shape (N, n).
-        effort: Shape (N, n) [N m or N].
-        speed_noise: Standard deviation of what noise of the positions leaves in `dq`, Shape (n,) [rad/s or m/s].
-        known: Where the sign of the velocity is known, as far back and ahead as the filter reaches, Shape (N, n).
+        time: Shape (B,) [s] from 0.
+        used: Which blocks count, as the sign of the velocity is known, as far back and ahead as the filter reaches,
+            Shape (B, n).
+        velocity: Shape (B, n) [rad/s or m/s].
+        acceleration: Shape (B, n) [rad/s² or m/s²].
+        sign: Sign of the velocity, filtered like the effort, Shape (B, n).
+        effort: Shape (B, n) [N m or N].
+        left_over: Effort without the torque of the rigid bodies, Shape (B, n) [N m or N].
+        speed_noise: Standard deviation of what noise of the positions leaves in velocities, Shape (n,) [rad/s or m/s].
     """
 
-    time: Array
-    rate: float
     cutoff: float
-    q: Array
-    dq: Array
-    ddq: Array
+    time: Array
+    used: NDArray[np.bool_]
+    velocity: Array
+    acceleration: Array
     sign: Array
     effort: Array
+    left_over: Array
     speed_noise: Array
-    known: NDArray[np.bool_]
 
-    def blocks(self, values: Array) -> Array:
-        """Means of blocks, Shape (B, …), of values of the samples, Shape (N, …).
-
-        A block is a period of the cutoff, beyond which the filter does not tie samples to each other.
-        """
-        block = round(self.rate / self.cutoff)
-        whole = len(values) // block
-        return np.asarray(values[: whole * block].reshape(whole, block, *values.shape[1:]).mean(axis=1))
+    def __post_init__(self) -> None:
+        freeze(self)
 
 
-def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutoff: float | None) -> RecordedMotion:
+def smoothed_motion(
+    cell: Cell, robot: Robot, path: Path, joints: list[RecordedJoint], cutoff: float | None
+) -> RecordedMotion:
     """The recorded motion of one arm.
 
     Args:
-        path: Of the recording, for messages.
+        cell: The cell.
         robot: The arm.
+        path: Of the recording, for messages.
         joints: What was recorded of its joints, base to tip.
         cutoff: Of the filter [Hz]; None takes `DEFAULT_CUTOFF`, or less where samples are too few.
 
@@ -154,18 +156,30 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
         sure[:, place] &= recorded[after] - recorded[after - 1] <= LONGEST_GAP / cutoff
     ends, reach = (int(np.ceil(periods * rate / cutoff)) for periods in (ENDS, FORGOTTEN))
     sure[:ends], sure[-ends:] = False, False
-    return RecordedMotion(
-        time=time - start,
-        rate=rate,
-        cutoff=cutoff,
-        q=q,
-        dq=dq,
-        ddq=ddq,
-        sign=sosfiltfilt(low_pass, np.sign(dq), axis=0),
-        effort=sosfiltfilt(low_pass, effort, axis=0),
-        speed_noise=speed_noise,
-        known=minimum_filter1d(sure.astype(np.uint8), 2 * reach + 1, axis=0, mode="nearest") > 0,
+    known = minimum_filter1d(sure.astype(np.float64), 2 * reach + 1, axis=0, mode="nearest")
+    sign, effort = (sosfiltfilt(low_pass, part, axis=0) for part in (np.sign(dq), effort))
+    block = round(rate / cutoff)
+    whole = count // block * block
+    means = (
+        part[:whole].reshape(-1, block, *part.shape[1:]).mean(axis=1)
+        for part in (time - start, known, dq, ddq, sign, effort, effort - _rigid_torque(cell, robot, q, dq, ddq))
     )
+    at, used, *parts = means
+    return RecordedMotion(cutoff, at, used == 1, *parts, speed_noise=speed_noise)
+
+
+def _rigid_torque(cell: Cell, robot: Robot, q: Array, dq: Array, ddq: Array) -> Array:
+    """Torque of the links alone along a motion, the other arms at rest, Shape (N, n) [N m or N]."""
+    part, parts = cell.joint_slices[robot.name], []
+    for start in range(0, len(q), CHUNK):
+        some = slice(start, start + CHUNK)
+        count = len(q[some])
+        every, moving = np.tile(cell.posture, (count, 1)), np.zeros((count, len(cell.posture)))
+        every[:, part], moving[:, part] = q[some], dq[some]
+        of = cell.functions("dynamics", count, {"q": every, "dq": moving})
+        torque = apply(of["mass_matrix"][:, part, part], ddq[some])
+        parts.append(torque + of["coriolis_torque"][:, part] + of["gravity_torque"][:, part])
+    return np.concatenate(parts)
 
 
 def _step(time: Array) -> float:

@@ -18,15 +18,16 @@ def motor_plot(arm: ArmMotors) -> Plot:
 
 
 def _joint(arm: ArmMotors, joint: int) -> list[Panel]:
-    used, name = arm.used[:, joint], arm.robot.joints[joint]
+    motion, name = arm.motion, arm.robot.joints[joint]
+    used = motion.used[:, joint]
     time, effort = Axis(label="time [s]"), Axis(label=f"[{arm.robot.torque_units[joint]}]")
     fitted = np.where(used, arm.fitted[:, joint], np.nan)
     left_over: list[Item] = [
-        Points(x=arm.time[used], y=arm.left_over[used, joint], symbol="dot", label="effort − rigid bodies"),
-        Line(x=arm.time, y=fitted, color=COLOURS[1], width=0.8, label="motor"),
+        Points(x=motion.time[used], y=motion.left_over[used, joint], symbol="dot", label="effort − rigid bodies"),
+        Line(x=motion.time, y=fitted, color=COLOURS[1], width=0.8, label="motor"),
     ]
-    speed = arm.velocity[used, joint]
-    torque = arm.left_over[used, joint] - arm.value["armature"][joint] * arm.acceleration[used, joint]
+    speed = motion.velocity[used, joint]
+    torque = motion.left_over[used, joint] - arm.value["armature"][joint] * motion.acceleration[used, joint]
     reach = np.max(np.abs(speed), initial=0.0)
     coulomb, viscous = arm.value["coulomb"][joint], arm.value["viscous"][joint]
     line = np.array([-coulomb - viscous * reach, -coulomb, coulomb, coulomb + viscous * reach])
@@ -34,8 +35,8 @@ def _joint(arm: ArmMotors, joint: int) -> list[Panel]:
         Points(x=speed, y=torque - arm.offset[joint], symbol="dot", label="without armature"),
         Line(x=np.array([-reach, 0, 0, reach]), y=line, color=COLOURS[1], width=0.8, label="friction"),
     ]
-    rest = arm.left_over[used, joint] - arm.fitted[used, joint]
-    residual: list[Item] = [Points(x=arm.time[used], y=rest, symbol="dot", color=COLOURS[2], label="residual")]
+    rest = motion.left_over[used, joint] - arm.fitted[used, joint]
+    residual: list[Item] = [Points(x=motion.time[used], y=rest, symbol="dot", color=COLOURS[2], label="residual")]
     over_speed = Axis(label=f"speed [{arm.robot.position_units[joint]}/s]")
     return [
         Panel(title=name, x=time, y=effort, items=left_over),

@@ -11,9 +11,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError, Progress, Remark, SolverError, check_callable, check_type
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import coordinate
+from mrts.following.coordinate import ClosureBound, coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import Limit
 from mrts.limits.rows import rows_text
 from mrts.motion.joint_table import NO_SPEED, JointTable

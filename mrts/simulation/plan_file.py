@@ -8,9 +8,9 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_path, check_type
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import coordinate, required_columns
+from mrts.following.coordinate import coordinate
 from mrts.motion.csv_motion import read_joint_columns
-from mrts.motion.joint_table import JointTable
+from mrts.motion.joint_table import JointTable, required_columns
 from mrts.motion.ros_messages import DERIVATIVES, KIND, bag_messages, is_bag, joint_columns
 from mrts.motion.rows_at_rest import moving_rows
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
@@ -65,7 +65,7 @@ def read_plan(cell: Cell, path: Path | str) -> tuple[Array, dict[str, Array]]:
     if path.suffix.lower() == ".npz":
         raise InputError(path, "is a saved result: give the plan that mrts scale writes with --csv or --ros-bag.")
     time, parts = _from_bag(cell, path) if is_bag(path) else read_joint_columns(path)
-    joints, _ = required_columns(cell, path, list(parts["q"]))
+    joints, _ = required_columns(cell, cell.robots, path, parts["q"], {})
     wrenches = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
     found: dict[str, Array] = {}
     for part, columns in parts.items():

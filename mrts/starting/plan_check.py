@@ -16,8 +16,8 @@ from mrts.base.errors import InputError, Remark, as_path, check_type, printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks
+from mrts.following.coordinate import ClosureBound, grasp_gaps, mean_object
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
-from mrts.following.grasp_closure import ClosureBound, grasp_gaps, mean_object
 from mrts.limits.rows import RowName, joint_rows, row_names
 from mrts.motion.joint_table import joint_contradictions
 from mrts.motion.rounded_samples import derivative

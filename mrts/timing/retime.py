@@ -11,9 +11,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Progress, check_callable, check_type, is_number
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import coordinate
+from mrts.following.coordinate import ClosureBound, coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import Limit
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion

@@ -10,8 +10,8 @@ from scipy.optimize import least_squares
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_vectors
+from mrts.following.coordinate import grasp_gaps
 from mrts.following.coordinated_motion import carried_by_each
-from mrts.following.grasp_closure import grasp_gaps
 from mrts.following.tracking import (
     CONDITION_LIMIT,
     FURTHER_STEPS,
@@ -19,7 +19,6 @@ from mrts.following.tracking import (
     follow_from,
     reached,
     solve_grasps,
-    starting_reference,
     tip_rates,
 )
 from mrts.kernel.tracking import FOLLOWED, LOST, OUT_OF_REACH, SINGULAR
@@ -74,7 +73,7 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
     rng, cell = np.random.default_rng(5), free_cell(name)
     met = Counter()
     for _ in range(30):
-        motion, reference = drawn_motion(rng, cell), starting_reference(cell)
+        motion, reference = drawn_motion(rng, cell), cell.posture
         posture = reference + rng.choice([0.0, 0.02, 0.2]) * rng.normal(size=len(reference))
         start, gap, turn, _ = solve_grasps(cell, motion, 0, posture[None], FURTHER_STEPS, near=posture)
         found = follow_from(cell, motion, start)
@@ -103,7 +102,7 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
 def test_an_arm_that_is_stretched_out_is_singular(name):
     cell = free_cell(name)
     joint = {"planar_dual_arm": 1, "dual_ur5": 2, "redundant": 3}[name]
-    start = starting_reference(cell) * (np.arange(len(starting_reference(cell))) != joint)
+    start = cell.posture * (np.arange(len(cell.posture)) != joint)
     cell = cell.with_postures({cell.robots[0].name: start[: len(cell.robots[0].joints)].tolist()})
     J = cell.functions("kinematics", 1, {"q": start[None]})["jacobian"][0][:, : len(cell.robots[0].joints)]
     assert np.linalg.cond(J) > CONDITION_LIMIT

@@ -159,10 +159,10 @@ def test_a_recording_says_the_same_at_uneven_times_of_each_joint(planar_cell):
     for kind in KINDS:
         values = np.concatenate([arm.value[kind] for arm in found.arms])
         np.testing.assert_allclose(values, getattr(motors, kind), rtol=2e-3)  # friction jumps between uneven samples
-    arm = found.arms[0]
-    unsampled = (arm.time > 6.8) & (arm.time < 7.8)
+    motion = found.arms[0].motion
+    unsampled = (motion.time > 6.8) & (motion.time < 7.8)
     assert np.any(unsampled)
-    assert not np.any(arm.used[unsampled])
+    assert not np.any(motion.used[unsampled])
 
 
 def test_a_joint_that_does_not_move_is_left_out(planar_cell):

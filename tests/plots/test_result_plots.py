@@ -167,7 +167,7 @@ def test_friction_and_residual_are_those_of_the_result(found):
     dots, line = rows[0][1].items
     coulomb, viscous = arm.value["coulomb"][0], arm.value["viscous"][0]
     np.testing.assert_allclose(line.y, np.array([-1, -1, 1, 1]) * coulomb + viscous * line.x)
-    assert len(dots.x) == np.count_nonzero(arm.used[:, 0])
+    assert len(dots.x) == np.count_nonzero(arm.motion.used[:, 0])
     np.testing.assert_allclose(dots.y, coulomb * np.sign(dots.x) + viscous * dots.x, atol=0.01)
     (residual,) = rows[0][2].items
     np.testing.assert_allclose(np.sqrt(np.mean(residual.y**2)), arm.residual_rms[0])
