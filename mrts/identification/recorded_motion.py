@@ -158,14 +158,14 @@ def smoothed_motion(
     sure[:ends], sure[-ends:] = False, False
     known = minimum_filter1d(sure.astype(np.float64), 2 * reach + 1, axis=0, mode="nearest")
     sign, effort = (sosfiltfilt(low_pass, part, axis=0) for part in (np.sign(dq), effort))
+    left_over = effort - _rigid_torque(cell, robot, q, dq, ddq)
     block = round(rate / cutoff)
     whole = count // block * block
-    means = (
+    at, surely, velocity, acceleration, sign, effort, left_over = (
         part[:whole].reshape(-1, block, *part.shape[1:]).mean(axis=1)
-        for part in (time - start, known, dq, ddq, sign, effort, effort - _rigid_torque(cell, robot, q, dq, ddq))
+        for part in (time - start, known, dq, ddq, sign, effort, left_over)
     )
-    at, used, *parts = means
-    return RecordedMotion(cutoff, at, used == 1, *parts, speed_noise=speed_noise)
+    return RecordedMotion(cutoff, at, surely == 1, velocity, acceleration, sign, effort, left_over, speed_noise)
 
 
 def _rigid_torque(cell: Cell, robot: Robot, q: Array, dq: Array, ddq: Array) -> Array:
