@@ -266,16 +266,6 @@ class CellDescription(Record):
         return ""
 
 
-def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
-    """URDF and base link (None is its root) of every robot of a cell file, by name."""
-    description = CellDescription.read_file(path, "cell file")
-    references, folder = description.references, path.resolve().parent
-    return {
-        robot.name: (references["robots", at, "urdf"].path(path, folder), robot.base_link)
-        for at, robot in enumerate(description.robots)
-    }
-
-
 def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:
     """Why an inertia matrix, Shape (3, 3) [kg m²], is not that of a body; empty if it is.
 

@@ -38,9 +38,6 @@ class CellFunctions:
         self.bind = cache(partial(_bound, manifest, origin))
         self._geometry: Array | None = None
 
-    def __contains__(self, name: str) -> bool:
-        return name in self.manifest.functions
-
     def __call__(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate one function for all samples in one call.
 

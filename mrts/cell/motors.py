@@ -4,7 +4,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 
@@ -198,21 +198,21 @@ def joint_duty(
     start, end = torque[:-1], torque[1:]
     squares = np.sum(steps * (start**2 + start * end + end**2) / 3, axis=0)
     power, largest = dq * torque, np.array([np.inf if c is None else c[-1, 0] for c in motors.torque_speed])
-    found: dict[str, Any] = {
-        "rms_torque": np.sqrt(squares / (time[-1] - time[0])),
-        "peak_speed": np.max(np.abs(dq), axis=0),
-        "torque_rate": np.max(np.abs((end - start) / steps), axis=0),
-        "jerk": np.max(np.abs(np.diff(ddq, axis=0) / steps), axis=0),
-    }
+    rms_torque, peak_speed = np.sqrt(squares / (time[-1] - time[0])), np.max(np.abs(dq), axis=0)
+    torque_rate = np.max(np.abs((end - start) / steps), axis=0)
+    jerk = np.max(np.abs(np.diff(ddq, axis=0) / steps), axis=0)
     return JointDuty(
-        **found,
-        rated_share=found["rms_torque"] / motors.rated,
+        rms_torque=rms_torque,
+        rated_share=rms_torque / motors.rated,
         peak_torque=np.max(np.abs(torque), axis=0),
         torque_share=np.maximum(np.max(torque_share, axis=0), 0.0),
         drive_power=np.maximum(np.max(power, axis=0), 0.0),
         brake_power=np.maximum(-np.min(power, axis=0), 0.0),
         power_share=np.max(np.abs(power), axis=0) / motors.power,
-        speed_share=found["peak_speed"] / np.minimum(velocity_limit, largest),
-        torque_rate_share=found["torque_rate"] / motors.torque_rate,
-        jerk_share=found["jerk"] / motors.jerk,
+        peak_speed=peak_speed,
+        speed_share=peak_speed / np.minimum(velocity_limit, largest),
+        torque_rate=torque_rate,
+        torque_rate_share=torque_rate / motors.torque_rate,
+        jerk=jerk,
+        jerk_share=jerk / motors.jerk,
     )

@@ -2,7 +2,6 @@
 """What a user should know of a cell: likely mistakes, links without a mass, and what is assumed."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +11,9 @@ from mrts.base.errors import Remark
 from mrts.base.formats.record import WHOLE_TURN
 from mrts.base.rigid_transform import plane_normal
 from mrts.base.words import first_names
+from mrts.cell.cell import Cell
 from mrts.cell.record import BodyShape, mesh_surface
-from mrts.cell.robot import DEGREES_SUSPECTED
-
-if TYPE_CHECKING:
-    from mrts.cell.cell import Cell
-    from mrts.cell.robot import Robot
+from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 
 WIDE = 10.0
 """Lengths of an arm that no object's radius of gyration has."""
@@ -52,7 +48,7 @@ COLLISIONS_UNKNOWN = "no-collisions"
 """Code of the remark that says so."""
 
 
-JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[["Robot"], NDArray[np.bool_]]], ...] = (
+JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[[Robot], NDArray[np.bool_]]], ...] = (
     (
         "no-effort-limit",
         "no effort limit, so a cell gives 'torque'; mrts new assumes one",
@@ -79,7 +75,7 @@ JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[["Robot"], NDArray[np.bool_]]]
 NAMES_SHOWN = 12
 
 
-def cell_remarks(cell: "Cell") -> Iterator[Remark]:
+def cell_remarks(cell: Cell) -> Iterator[Remark]:
     """All that is to know of a cell: what its files and its numbers as they are now lead to."""
     yield from cell.remarks
     yield from _gravity(cell.gravity)
@@ -97,19 +93,19 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
     yield from _assumptions(cell)
 
 
-def torque_source(robot: "Robot") -> str:
+def torque_source(robot: Robot) -> str:
     """Where its torque limits are from: "URDF" or "cell file"."""
     return "URDF" if robot.source.effort is not None else "cell file"
 
 
-def friction_sources(robot: "Robot") -> list[str]:
+def friction_sources(robot: Robot) -> list[str]:
     """Where the friction of each joint is from: "cell file", "URDF", or "none given", which counts as 0."""
     if robot.source.friction is None:
         return ["cell file"] * len(robot.joints)
     return ["URDF" if some else "none given" for some in robot.motors.coulomb + robot.motors.viscous]
 
 
-def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
+def urdf_remarks(robot: Robot) -> Iterator[Remark]:
     """Remarks on the position limits of a robot's URDF."""
     lower, upper = robot.position_lower, robot.position_upper
     stuck = [name for name, least, most in zip(robot.joints, lower, upper, strict=True) if least == most]
@@ -130,7 +126,7 @@ def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
         )
 
 
-def link_lengths(robot: "Robot") -> Array:
+def link_lengths(robot: Robot) -> Array:
     """From joint to joint and to the tip, Shape (n,) [m]."""
     corners = np.concatenate([robot.points, robot.T_base_tip.p[None]])
     return np.asarray(np.linalg.norm(np.diff(corners, axis=0), axis=1))
@@ -144,7 +140,7 @@ def _gravity(gravity: Array) -> Iterator[Remark]:
         yield Remark.hint("gravity-upward", text)
 
 
-def _posture(robot: "Robot") -> Iterator[Remark]:
+def _posture(robot: Robot) -> Iterator[Remark]:
     far = robot.turns & (np.abs(robot.posture) > WHOLE_TURN)
     if np.any(far):
         yield Remark.hint(
@@ -154,7 +150,7 @@ def _posture(robot: "Robot") -> Iterator[Remark]:
         )
 
 
-def _efforts(robot: "Robot") -> Iterator[Remark]:
+def _efforts(robot: Robot) -> Iterator[Remark]:
     efforts = {*robot.torque_upper.tolist()}
     if torque_source(robot) == "URDF" and len(robot.joints) >= FEWEST_JOINTS and len(efforts) == 1:
         effort = efforts.pop()
@@ -166,7 +162,7 @@ def _efforts(robot: "Robot") -> Iterator[Remark]:
             )
 
 
-def _load(cell: "Cell") -> Iterator[Remark]:
+def _load(cell: Cell) -> Iterator[Remark]:
     lengths = [max(_arm_length(robot), 1e-3) for robot in cell.robots]
     held = sum(float(np.max(robot.torque_upper)) / length for robot, length in zip(cell.robots, lengths, strict=True))
     weight = float(np.linalg.norm(cell.gravity)) * cell.mass
@@ -192,7 +188,7 @@ def _load(cell: "Cell") -> Iterator[Remark]:
             )
 
 
-def _reach(cell: "Cell", shape: BodyShape) -> float:
+def _reach(cell: Cell, shape: BodyShape) -> float:
     """How far a shape reaches from the object's origin at most [m]."""
     if shape.mesh is not None:
         corners = mesh_surface(shape, cell.surfaces)[0]
@@ -202,13 +198,13 @@ def _reach(cell: "Cell", shape: BodyShape) -> float:
     return float(np.max(np.linalg.norm(corners, axis=1))) + float(np.linalg.norm(shape.pose.xyz))
 
 
-def _arm_length(robot: "Robot") -> float:
+def _arm_length(robot: Robot) -> float:
     """From the first joint to the tip along the links, and what prismatic joints add where they have limits [m]."""
     stroke = (robot.position_upper - robot.position_lower)[~robot.turns]
     return float(np.sum(link_lengths(robot)) + np.sum(stroke[np.isfinite(stroke)]))
 
 
-def missing_masses(robots: Sequence["Robot"]) -> Iterator[Remark]:
+def missing_masses(robots: Sequence[Robot]) -> Iterator[Remark]:
     """Warnings on links without a mass or an inertia."""
     if weightless := _named(robots, lambda robot: np.array(robot.source.carried_mass) == 0):
         yield Remark("links-without-mass", f"{WEIGHTLESS} ({weightless})")
@@ -218,14 +214,14 @@ def missing_masses(robots: Sequence["Robot"]) -> Iterator[Remark]:
         yield Remark("links-without-inertia", f"{POINT_MASSES} ({'; '.join(named)})")
 
 
-def joint_assumptions(robots: Sequence["Robot"]) -> Iterator[Remark]:
+def joint_assumptions(robots: Sequence[Robot]) -> Iterator[Remark]:
     """What is taken for granted of joints of which neither URDF nor cell file says it."""
     for code, text, applies in JOINT_ASSUMPTIONS:
         if named := _named(robots, applies):
             yield Remark.assumed(code, f"{text} ({named})")
 
 
-def _assumptions(cell: "Cell") -> Iterator[Remark]:
+def _assumptions(cell: Cell) -> Iterator[Remark]:
     text = "the object's centre of mass is the origin of its frame, and its inertia is about that"
     yield Remark.assumed("com-at-origin", text)
     if not np.any(np.isfinite(cell.object_velocity_limit)):
@@ -241,7 +237,7 @@ def _assumptions(cell: "Cell") -> Iterator[Remark]:
         yield Remark.assumed("no-wrench-limit", text)
 
 
-def _named(robots: Sequence["Robot"], applies: Callable[["Robot"], NDArray[np.bool_]]) -> str:
+def _named(robots: Sequence[Robot], applies: Callable[[Robot], NDArray[np.bool_]]) -> str:
     """The joints to which something applies, in words; empty if to none."""
     chosen = [applies(robot) for robot in robots]
     if robots and all(map(np.all, chosen)):

@@ -134,7 +134,16 @@ class Robot(MadeAgain):
             if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
                 rule = f"must be at most {kind}_upper, and leave something between the two."
                 raise InputError(where, rule, key=f"{kind}_lower", value=lower.tolist())
-        self._check_parts(where, n)
+        if len(self.motors.torque_speed) != n:
+            raise InputError(where, f"must be those of its {n} joints.", key="motors")
+        self.motors.check_torques(where, self.torque_lower, self.torque_upper, self.joints)
+        names = [contact.name for contact in self.contacts]
+        if len({*names}) < len(names):
+            raise InputError(where, "must have names of their own.", key="contacts", value=names)
+        for contact in self.contacts:
+            if contact.A.shape[1] != len(self.wrench_lower):
+                rule = f"must have rows over the {len(self.wrench_lower)} components of its wrench."
+                raise InputError(where, rule, key=f"contacts: {contact.name}", value=contact.A.shape)
         object.__setattr__(self, "source", self._source_now())
 
     def _source_now(self) -> RobotSource:
@@ -148,18 +157,6 @@ class Robot(MadeAgain):
             velocity=source.velocity if source.velocity == (*without_infinity(self.velocity_limit),) else None,
             friction=source.friction if source.friction == friction else None,
         )
-
-    def _check_parts(self, where: str, n: int) -> None:
-        if len(self.motors.torque_speed) != n:
-            raise InputError(where, f"must be those of its {n} joints.", key="motors")
-        self.motors.check_torques(where, self.torque_lower, self.torque_upper, self.joints)
-        names = [contact.name for contact in self.contacts]
-        if len({*names}) < len(names):
-            raise InputError(where, "must have names of their own.", key="contacts", value=names)
-        for contact in self.contacts:
-            if contact.A.shape[1] != len(self.wrench_lower):
-                rule = f"must have rows over the {len(self.wrench_lower)} components of its wrench."
-                raise InputError(where, rule, key=f"contacts: {contact.name}", value=contact.A.shape)
 
     def __repr__(self) -> str:
         return f"<Robot '{self.name}': {', '.join(self.joints)}>"

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from click import IntRange, argument, option
 
 from mrts.base.errors import InputError, require_extra
-from mrts.base.regular_file import is_folder
 from mrts.commands import options
 from mrts.commands.console import FEASIBLE, INFEASIBLE, Outputs, say, warn, working
 from mrts.commands.options import Named, Written, take
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.rate_limits import Rates
-    from mrts.scene.arm_meshes import Urdfs
     from mrts.scene.renderer import Clip
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.server import GuardedServer
@@ -108,7 +106,7 @@ def run(
     if not drawn:
         require_extra("mrts view", "view", "viser")
         source = _saved(cell) if saved else _start(cell, motion, given)
-        return _serve(source, {} if saved else _urdfs(cell), host, port, opens=not no_open)
+        return _serve(source, host, port, opens=not no_open)
     from mrts.motion.motion_file import load_motion
     from mrts.scaling.limit_use import limited_rates
     from mrts.scene.renderer import Clip, require_renderer
@@ -123,11 +121,11 @@ def run(
             title = f"c² = {state.trajectory.c2:.4g}"
         elif state.timing.smooth is None:
             title = "fastest timing"
-        clips.append(Clip(title, state.trajectory, state.card, rates=limited_rates(state.result)))
+        clips.append(Clip(title, state.trajectory, state.card, limited_rates(state.result)))
     elif motion is not None:
         played, limited = load_motion(motion), options.compiled_cell(cell, **take(given, options.LIMITS))
         for side in of_films.get("side_by_side", ["fastest"]):
-            clip, keeps = _side_clip(side, limited, played, _urdfs(cell), of_films.get("rates", True), given)
+            clip, keeps = _side_clip(side, limited, played, of_films.get("rates", True), given)
             clips.append(clip)
             within &= keeps
     return _write_films(clips, png, video, of_films.get("at"), within=within)
@@ -166,7 +164,7 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
 
 
 def _side_clip(
-    side: str, cell: "Cell", motion: "ObjectMotion | JointTable", urdfs: "Urdfs", rates: "Rates", given: dict[str, Any]
+    side: str, cell: "Cell", motion: "ObjectMotion | JointTable", rates: "Rates", given: dict[str, Any]
 ) -> "tuple[Clip, bool]":
     """The motion as it is played in one way, and whether it keeps its limits."""
     from mrts.scaling.limit_use import limited_rates
@@ -184,15 +182,7 @@ def _side_clip(
     else:
         titles = {"fastest": f"constant factor {state.trajectory.c:.3g}", "optimal": "fastest timing"}
         title = titles.get(side, "smooth timing")
-    return Clip(title, state.trajectory, state.card, urdfs, limited_rates(state.played)), state.admissible
-
-
-def _urdfs(cell: Path) -> "Urdfs":
-    """URDF and base link by robot, whose meshes arms are drawn with; nothing where only generated code is at hand."""
-    from mrts.base.manifest import MANIFEST_NAME
-    from mrts.cell.cell_file import urdf_files
-
-    return {} if is_folder(cell) or cell.name == MANIFEST_NAME else urdf_files(cell)
+    return Clip(title, state.trajectory, state.card, limited_rates(state.played)), state.admissible
 
 
 def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
@@ -208,7 +198,7 @@ def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
     return Given(limited, played, described_motion(motion), given)
 
 
-def _serve(source: "Given | PlayerState", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:
+def _serve(source: "Given | PlayerState", host: str, port: int, *, opens: bool) -> int:
     from mrts.viewer.player_state import HeldPoses, PlayerState
     from mrts.viewer.server import close_server, open_server
     from mrts.viewer.viewer import Viewer
@@ -223,7 +213,7 @@ def _serve(source: "Given | PlayerState", urdfs: "Urdfs", host: str, port: int, 
         else:
             with working("looking at the cell" if source.motion is None else f"scaling {name}") as progress:
                 bench = Workbench(source, progress)
-        viewer = Viewer(server, bench, urdfs, warn)
+        viewer = Viewer(server, bench, warn)
         first = viewer.shown
         if isinstance(first, HeldPoses):
             outcome = first.message or "no motion was given, the cell stands at its posture"

@@ -12,6 +12,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
+from mrts.cell.generation import urdf_of
 from mrts.cell.robot import Robot
 from mrts.collisions.bodies import posed_urdf, reading_meshes
 from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, Rgb, arm_colour
@@ -38,9 +39,6 @@ SAME_PLACE = 1e-3
 SHARP = 0.6
 """Angle between faces from which the side between them is an edge [rad]."""
 
-Urdfs = Mapping[str, tuple[Path, str | None]]
-"""URDF and base link of arms, by name; an arm that is not there is drawn with bars."""
-
 Warn = Callable[[str], None]
 """Told which arm is drawn with bars, though it has a URDF, and why."""
 
@@ -66,14 +64,15 @@ class ArmMesh:
         return OVER_LIMIT if self.marks and self.body == deciding else self.own
 
 
-def drawn_arms(cell: Cell, urdfs: Urdfs, warn: Warn) -> list[list[ArmMesh]]:
-    """The parts of each arm of a cell; it is told why an arm is drawn without the meshes of its URDF."""
+def drawn_arms(cell: Cell, warn: Warn) -> list[list[ArmMesh]]:
+    """The parts of each arm of a cell: bars where it is not known where its URDF is, or that has no meshes."""
     found = []
     for index, robot in enumerate(cell.robots):
         meshes = []
-        if robot.name in urdfs:
+        if cell.folder is not None:
             try:
-                meshes = arm_meshes(*urdfs[robot.name], robot.joints, robot.held)
+                path, base_link = urdf_of(robot, cell.folder), robot.source.base_link
+                meshes = arm_meshes(path, base_link, robot.joints, robot.held)
             except InputError as error:
                 warn(f"robot '{robot.name}' is drawn with simple shapes: {error}")
         colour = arm_colour(index)

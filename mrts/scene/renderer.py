@@ -3,7 +3,7 @@
 
 import os
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -16,7 +16,7 @@ from mrts.base.errors import InputError, require_extra
 from mrts.plots.card import Card
 from mrts.scaling.limit_use import LimitedQuantities
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
+from mrts.scene.arm_meshes import Warn, drawn_arms
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import Surface, held_body, outlines, shape_surface
 from mrts.scene.scene import (
@@ -73,12 +73,11 @@ Frame = NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion that is played, what is said of it, URDF and base link of robots drawn with meshes, and its rates."""
+    """A motion that is played, what is said of it, and its rates."""
 
     title: str
     trajectory: ScaledTrajectory
     card: Card
-    urdfs: Urdfs = field(default_factory=dict)
     rates: LimitedQuantities | None = None
 
     @cached_property
@@ -124,7 +123,7 @@ class SceneRenderer:
         for number, one in enumerate(cell.surroundings):
             name = f"surroundings/{number}"
             self._add_surface(self._spec.worldbody, name, shape_surface(cell, one), SURROUNDINGS, SEE_THROUGH)
-        for number, parts in enumerate(drawn_arms(cell, clip.urdfs, warn)):
+        for number, parts in enumerate(drawn_arms(cell, warn)):
             robot, found = cell.robots[number], clip.card.deciding
             deciding = None if found is None else found.body(robot)
             bodies = [

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.scaling.limit_use import LimitUse
-from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms, name_place
+from mrts.scene.arm_meshes import Warn, drawn_arms, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
 from mrts.scene.held_body import held_body, outlines, shape_surface
 from mrts.scene.scene import (
@@ -55,7 +55,7 @@ class ViewerScene:
         metres_per_newton_metre: The same of a moment's.
     """
 
-    def __init__(self, server: viser.ViserServer, shown: Scene, urdfs: Urdfs, warn: Warn) -> None:
+    def __init__(self, server: viser.ViserServer, shown: Scene, warn: Warn) -> None:
         self._scene = server.scene
         cell, self._view = shown.cell, look_at(shown)
         self.size = self._view.size
@@ -63,7 +63,7 @@ class ViewerScene:
         self._look(server.initial_camera)
         self._scene.configure_default_lights(enabled=True, cast_shadow=False)  # shadows cost most of the frames
         self._draw_surroundings()
-        self._draw_cell(cell, urdfs, warn)
+        self._draw_cell(cell, warn)
         self._body_key = b""
         scene, thin = self._scene, ARROW_RADIUS * self.size
         self._forces, self._moments, self._gaps = (
@@ -135,11 +135,11 @@ class ViewerScene:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
         return np.stack([start[long], start[long] + step[long]], axis=1).astype(np.float32)
 
-    def _draw_cell(self, cell: Cell, urdfs: Urdfs, warn: Warn) -> None:
+    def _draw_cell(self, cell: Cell, warn: Warn) -> None:
         """Arms, a frame for each body that carries its meshes, that of the object, and what stands around them."""
         scene = self._scene
         self._frames, self._parts = [], []
-        for index, (robot, parts) in enumerate(zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True)):
+        for index, (robot, parts) in enumerate(zip(cell.robots, drawn_arms(cell, warn), strict=True)):
             names = [f"/arms/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
             self._frames.append([scene.add_frame(of, show_axes=False) for of in names])
             for number, part in enumerate(parts):

@@ -15,7 +15,7 @@ import numpy as np
 import viser
 
 from mrts.base.errors import MrtsError
-from mrts.scene.arm_meshes import Urdfs, Warn
+from mrts.scene.arm_meshes import Warn
 from mrts.viewer import panel
 from mrts.viewer.controls import ChangeControls, Later, set_slider
 from mrts.viewer.playback import Playback
@@ -38,7 +38,7 @@ class Viewer:
     None then, and `plots` are where a cell is looked at without a motion. `shown` is what is drawn.
     """
 
-    def __init__(self, server: viser.ViserServer, bench: Workbench | PlayerState, urdfs: Urdfs, warn: Warn) -> None:
+    def __init__(self, server: viser.ViserServer, bench: Workbench | PlayerState, warn: Warn) -> None:
         self.server = server
         self.bench = bench if isinstance(bench, Workbench) else None
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
@@ -47,7 +47,7 @@ class Viewer:
         stands = isinstance(answer.shown, HeldPoses) and not answer.shown.message
         self._todo: SimpleQueue[Any] = SimpleQueue()
         later, gui = self._todo.put, server.gui
-        self._scene = ViewerScene(server, answer.shown.scene, urdfs, warn)
+        self._scene = ViewerScene(server, answer.shown.scene, warn)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(panel.PANEL)
         gui.add_html(panel.STYLE)

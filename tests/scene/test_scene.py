@@ -14,7 +14,7 @@ from published_robots import ROBOTS
 from shipped_cells import cell_of_arms
 
 import mrts
-from mrts.cell.cell_file import urdf_files
+from mrts.cell.generation import urdf_of
 from mrts.collisions.bodies import body_poses
 from mrts.plots.card import answer_card
 from mrts.scene.arm_meshes import arm_meshes, drawn_arms, name_place, shares_base
@@ -58,7 +58,7 @@ def test_meshes_stand_where_yourdfpy_puts_them(urdf, base_link, tip_link, joints
     robot |= {"posture": [0.1] * joints, "torque": [100.0] * joints, "base": {"xyz": [1, 2, 3], "rpy": [0.3, 0.2, 0.1]}}
     cell = casadi_cell(cell_of_arms(tmp_path, robot))
     (robot,) = cell.robots
-    (path, base), *_ = urdf_files(tmp_path / "cell.yaml").values()
+    path, base = urdf_of(robot, tmp_path), robot.source.base_link
     found = arm_meshes(path, base, robot.joints)
     assert {body for body, _ in found} >= set(range(1, joints - 1))
     q = np.random.default_rng(3).uniform(-1, 1, joints)
@@ -91,7 +91,7 @@ def test_a_held_joint_is_drawn_where_it_stands_and_another_arm_not_at_all():
 def test_what_two_arms_stand_on_has_the_colour_of_neither_and_their_names_stand_apart(dual_ur5):
     path = DATA.parent / "upper_body" / "cell.yaml"
     machine = mrts.load_cell(path)
-    for index, parts in enumerate(drawn_arms(machine, urdf_files(path), pytest.fail)):
+    for index, parts in enumerate(drawn_arms(machine, pytest.fail)):
         assert {part.colour() for part in parts if part.body == 0} == {SHARED_BASE}
         assert {part.colour() for part in parts if part.body} == {arm_colour(index)}
     for robot in machine.robots:
@@ -111,7 +111,7 @@ def test_the_joint_that_decides_stands_out(dual_ur5, turned):
     assert found.share == pytest.approx(1.0)
     slow = mrts.scale(dual_ur5, turned.motion.object, 1.0)
     assert answer_card(slow).deciding.share == pytest.approx(max(use.share for use in slow.limit_uses))
-    left, right = drawn_arms(dual_ur5, {}, pytest.fail)
+    left, right = drawn_arms(dual_ur5, pytest.fail)
     assert [found.body(robot) for robot in dual_ur5.robots] == [None, 5]
     assert {part.body for part in right if part.colour(5) == OVER_LIMIT} == {5}
     assert all(part.colour(None) != OVER_LIMIT for part in (*left, *right))

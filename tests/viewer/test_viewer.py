@@ -14,7 +14,6 @@ from shipped_cells import shipped
 from shown_viewer import PATIENCE, cell_of_real_arms, news_of, planar_given, settle, shown_viewer, spatial_given
 
 import mrts
-from mrts.cell.cell_file import urdf_files
 from mrts.cli import main
 from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
@@ -230,7 +229,7 @@ def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
     path = cell_of_real_arms(tmp_path, other)
     warnings = []
     given = Given(mrts.load_cell(path), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    with shown_viewer(given, urdfs=urdf_files(path), warn=warnings.append) as viewer:
+    with shown_viewer(given, warn=warnings.append) as viewer:
         viewer.shown.step(0.0)
         assert all(drawn(viewer, f"/arms/{name}/body6/mesh1") is not None for name in ("left", "right"))
     assert len(warnings) == 2

@@ -20,12 +20,12 @@ PATIENCE = 60.0
 
 
 @contextmanager
-def shown_viewer(bench, *, urdfs=None, warn=pytest.fail):
+def shown_viewer(bench, *, warn=pytest.fail):
     """The viewer of a workbench, of what one is given, or of the state of a saved result."""
     bench = Workbench(bench) if isinstance(bench, Given) else bench
     server = open_server("127.0.0.1", 0, "test")
     try:
-        shown = Viewer(server, bench, urdfs or {}, warn)
+        shown = Viewer(server, bench, warn)
         controls = {getattr(handle, "label", ""): handle for handle in server.controls.values()}
         yield SimpleNamespace(server=server, shown=shown, bench=bench, controls=controls, url=server.url)
         shown.close()
