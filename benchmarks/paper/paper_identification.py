@@ -20,7 +20,7 @@ from scipy.optimize import linprog
 import mrts
 from mrts.base.arrays import Array
 from mrts.commands.paper_examples import largest_c2, run_demo
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, solve_batch
 
 LINK, HAND = 1.0, 0.1  # m
 GRAVITY = 9.8  # m/s²
@@ -69,7 +69,6 @@ class Search:
             raise TypeError
         self.position, self.velocity = lift.position[SAMPLES, :2], lift.twist[SAMPLES, :2]
         self.acceleration = lift.acceleration[SAMPLES, :2]
-        self.kernel = default_programs()
 
     def deviations(self, geometry: Array) -> Array:
         """Relative deviations from `SEVEN`, Shape (N, 7), for w, h, a, Shape (N, 3); -1 where nothing is admissible."""
@@ -179,7 +178,7 @@ class Search:
         high = np.concatenate([high, np.broadcast_to([*bounds, FAR], (count, samples, 4))], axis=2)
         programs = count * samples
         g = np.tile([0.0, 0.0, 0.0, -1.0], (programs, 1))
-        x, _, status = self.kernel.solve(
+        x, _, status = solve_batch(
             None, g, A.reshape(programs, 9, 4), low.reshape(programs, 13), high.reshape(programs, 13)
         )
         undecided = int(np.count_nonzero(~np.isin(status.reshape(count, samples)[reach], (OPTIMAL, INFEASIBLE))))

@@ -30,7 +30,7 @@ def with_samples(few: mrts.CoordinatedMotion, counts: tuple[int, ...]) -> None:
     print("growth with the number of samples, dual UR5-class cell, CPU time")
     for samples in counts:
         motion = stretched(few, samples)
-        run = {"mrts": lambda motion=motion: motion_ranges(motion_rows(cell, motion), "kernel")}
+        run = {"mrts": lambda motion=motion: motion_ranges(motion_rows(cell, motion))}
         seconds = median_times(run, MANY_REPEATS)["mrts"]
         print(f"  {samples:>8} samples{1e3 * seconds:>10.1f} ms{1e6 * seconds / samples:>8.2f} µs a sample", flush=True)
 
@@ -41,9 +41,9 @@ def with_arms(few: mrts.CoordinatedMotion, arms: int, samples: int, repeats: int
     with tempfile.TemporaryDirectory() as folder:
         cells = [ring(Path(folder), number) for number in range(1, arms + 1)]
     motions = [stretched(mrts.follow_object(cell, straight_up(few.object)), samples) for cell in cells]
-    found = [motion_ranges(motion_rows(cell, motion), "kernel") for cell, motion in zip(cells, motions, strict=True)]
+    found = [motion_ranges(motion_rows(cell, motion)) for cell, motion in zip(cells, motions, strict=True)]
     runs = {
-        f"{len(cell.robots)}": lambda cell=cell, motion=motion: motion_ranges(motion_rows(cell, motion), "kernel")
+        f"{len(cell.robots)}": lambda cell=cell, motion=motion: motion_ranges(motion_rows(cell, motion))
         for cell, motion in zip(cells, motions, strict=True)
     }
     times = median_times(runs, repeats)

@@ -38,7 +38,7 @@ def ours(cell: mrts.Cell, motion: mrts.CoordinatedMotion, solver: str = "kernel"
     """Largest c² of a motion by mrts."""
 
     def run() -> float:
-        found = intersect(motion_ranges(motion_rows(cell, motion), solver))
+        found = intersect(motion_ranges(motion_rows(cell, motion, solver=solver)))
         return found.upper.c2 if found.upper else float("nan")
 
     return run

@@ -14,7 +14,6 @@ import numpy as np
 import mrts
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.range import intersect
@@ -33,7 +32,7 @@ def compare(name: str, samples: int, drawn: int, repeats: int) -> None:
     known, motion = shipped(name, samples)
 
     def nominal() -> tuple[float, int]:
-        found = intersect(motion_ranges(motion_rows(known, motion), DEFAULT_SOLVER))
+        found = intersect(motion_ranges(motion_rows(known, motion)))
         return found.upper.c2 if found.upper else float("nan"), 1
 
     def asked(question: str, names: tuple[str, ...], sharing: mrts.LoadSharing | None = None) -> tuple[float, int]:
@@ -45,7 +44,7 @@ def compare(name: str, samples: int, drawn: int, repeats: int) -> None:
         box = known.with_variation(**RANGES).load_box
         lowest = np.inf
         for point in box.draw(np.random.default_rng(0), drawn) if box else ():
-            found = intersect(motion_ranges(motion_rows(known, motion), DEFAULT_SOLVER, point.load))
+            found = intersect(motion_ranges(motion_rows(known, motion), point.load))
             lowest = min(lowest, found.upper.c2 if found.upper else np.nan)
         return lowest, drawn
 

@@ -12,9 +12,18 @@ from mrts.base.errors import CompilerError, InputError
 from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, check_source
 from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
-from mrts.kernel.c_text import IN_LANES, SELDOM, cell_source, function_source, motion_source
+from mrts.kernel.c_text import (
+    CELL_FILES,
+    IN_LANES,
+    SELDOM,
+    TRACKING_FILES,
+    cell_source,
+    function_source,
+    motion_source,
+)
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import compiled_library
+from mrts.kernel.programs import offer_programs
 
 MAKE_AGAIN = "Make C file and manifest again: `mrts generate`."
 
@@ -99,7 +108,7 @@ def _bound(manifest: CellManifest, origin: str | dict[str, Any] | Path) -> CellL
         return _compiled(manifest, origin)
     if isinstance(origin, dict):  # a library of following alone is compiled in a tenth of the time
         text = motion_source(manifest, emitted(origin))
-        return compiled_library("motion", text, partial(CellLibrary, manifest, motion_only=True))
+        return CellLibrary(manifest, compiled_library("motion", text, TRACKING_FILES))
     raise InputError(
         origin,
         f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: read "
@@ -112,13 +121,12 @@ def _compiled(manifest: CellManifest, generated: str) -> CellLibrary:
     @cache
     def seldom(name: str) -> CDLL:
         symbol = manifest.functions[name].symbol
-        library = compiled_library(symbol, function_source(generated, symbol), lambda path: CDLL(str(path)))
-        return _checked(manifest, library, [name])
+        return _checked(manifest, compiled_library(symbol, function_source(generated, symbol)), [name])
 
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
-    library = compiled_library(name, text, partial(CellLibrary, manifest, seldom=seldom))
-    _checked(manifest, library.opened, manifest.functions.keys() - {*SELDOM})
-    return library
+    library = compiled_library(name, text, CELL_FILES)
+    offer_programs(library)
+    return CellLibrary(manifest, _checked(manifest, library, manifest.functions.keys() - {*SELDOM}), seldom)
 
 
 def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) -> CDLL:

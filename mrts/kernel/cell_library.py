@@ -3,17 +3,14 @@
 
 import ctypes
 from collections.abc import Callable, Collection, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.binding import INFINITY, address, bind, filled, keep_freed_memory, structure, work_arrays
-from mrts.kernel.c_text import CELL_FILES, SELDOM, TRACKING_FILES
-from mrts.kernel.programs import Programs, offer_programs
+from mrts.kernel.binding import INFINITY, address, filled, keep_freed_memory, structure
+from mrts.kernel.c_text import SELDOM
 
 LIMITS, TERMS = (structure("rows.h", f"mrts_{name}") for name in ("limits", "terms"))
 
@@ -73,37 +70,24 @@ def sparse_limits(
 
 
 class CellLibrary:
-    """The library of one cell, `opened`.
+    """The library of one cell.
 
     `unknowns` are the wrenches of all arms but the last, and c²; `wrenches` are those of all.
 
     Args:
         manifest: Manifest of the cell.
-        library: Path of the shared library.
+        opened: The library; it may hold what following a motion takes, and nothing else.
         seldom: Gives the library of a generated function that this one lacks, by short name.
-        motion_only: Whether it holds what following a motion takes, and nothing else.
-
-    Raises:
-        OSError: If it cannot be opened.
-        AttributeError: If it lacks a function.
     """
 
     def __init__(
-        self,
-        manifest: Manifest,
-        library: Path,
-        seldom: Callable[[str], ctypes.CDLL] | None = None,
-        *,
-        motion_only: bool = False,
+        self, manifest: Manifest, opened: ctypes.CDLL, seldom: Callable[[str], ctypes.CDLL] | None = None
     ) -> None:
         keep_freed_memory()
-        self.opened = bind(ctypes.CDLL(str(library)), TRACKING_FILES if motion_only else CELL_FILES)
-        self.records, self._seldom = manifest.functions, seldom
+        self.opened, self.records, self._seldom = opened, manifest.functions, seldom
         self.robots, components = len(manifest.cell.robots), len(manifest.cell.wrench_components)
         self.joints = sum(len(robot.joints) for robot in manifest.cell.robots)
         self.unknowns, self.wrenches = components * (self.robots - 1) + 1, components * self.robots
-        if not motion_only:
-            offer_programs(Programs(self.opened))
 
     def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
         """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
@@ -127,28 +111,6 @@ class CellLibrary:
         """Of a generated function, by its short name."""
         held_by = self.opened if self._seldom is None or function not in SELDOM else self._seldom(function)
         return ctypes.cast(getattr(held_by, self.records[function].symbol), ctypes.c_void_p)
-
-    def over_samples(
-        self,
-        name: str,
-        samples: int,
-        inputs: dict[str, Array],
-        limits: Any,
-        terms: Terms,
-        asked: Sequence[Array],
-        outputs: Sequence[NDArray[Any]],
-        for_all: tuple[Any, ...] = (),
-    ) -> None:
-        """Call a C function of whole trajectories of N samples.
-
-        `asked` is what it takes of each sample, `for_all` what it takes besides, `outputs` what it fills; inputs are
-        those of the wrench form, by name, limits from `sparse_limits`.
-        """
-        given, strides = sample_inputs(self.records["wrench_form"], samples, inputs)
-        work = work_arrays(self.opened, "mrts_samples", limits.rows)
-        where = samples, given, strides, limits, filled(TERMS, **terms)
-        failed = getattr(self.opened, name)(*where, *asked, *for_all, *outputs, *work)
-        assert not failed  # noqa: S101 (`sparse_limits` has looked at the limits)
 
 
 def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[Any, list[int]]:

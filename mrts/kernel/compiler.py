@@ -1,22 +1,20 @@
 # SPDX-License-Identifier: MIT
 """C to shared libraries, with the system's compiler, on first use; kept per user under a hash of text and compiler."""
 
+import ctypes
 import hashlib
 import os
 import shlex
 import shutil
 import signal
 import subprocess  # fixed flags, no shell, the command is the user's own CC
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import TypeVar
 
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import CompilerError
+from mrts.kernel.binding import bind
 from mrts.kernel.cache_folder import cache_folder, only_ours
-
-Library = TypeVar("Library")
 
 FLAGS = ("-std=c99", "-O1", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
 """No contraction to fused multiply-add, so that compiled C equals CasADi's own evaluation. Vectors are passed between
@@ -117,13 +115,13 @@ def _run(arguments: list[str]) -> tuple[int, str]:
     return process.returncode, errors or output
 
 
-def compiled_library(name: str, source: str, open_library: Callable[[Path], Library]) -> Library:
+def compiled_library(name: str, source: str, files: tuple[str, ...] = ()) -> ctypes.CDLL:
     """The library of a C text, opened from the cache, or compiled where it is missing or cannot be opened.
 
     Args:
         name: Of its files, an identifier.
         source: The C text.
-        open_library: Raises OSError where the file cannot be opened, AttributeError where it lacks a function.
+        files: Those of mrts/kernel/c in it whose functions are bound.
 
     Raises:
         CompilerError: If there is no compiler, or it fails, or makes what cannot be opened.
@@ -136,7 +134,7 @@ def compiled_library(name: str, source: str, open_library: Callable[[Path], Libr
             write_text_atomically(library.with_suffix(".c"), source, private=True)
             compile_library(command, library.with_suffix(".c"), library)
         try:
-            return open_library(library)
+            return bind(ctypes.CDLL(str(library)), files)
         except (OSError, AttributeError) as error:
             problem = error
     raise CompilerError(

@@ -30,7 +30,6 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 
 ON_THE_MOTION = (velocity_limits, acceleration_limits, point_limits, carried_limits)
@@ -186,15 +185,15 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
     for factor in MASS_FACTORS:
         heavy = cell.with_mass(cell.mass * factor)
         rows = motion_rows(heavy, motion)
-        free = motion_ranges(rows, DEFAULT_SOLVER)
-        even = motion_ranges(motion_rows(heavy, motion, LoadSharing()), DEFAULT_SOLVER)
+        free = motion_ranges(rows)
+        even = motion_ranges(motion_rows(heavy, motion, LoadSharing()))
         speeds = np.where([status is RangeStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
         speeds = np.where(speeds >= free.lower, speeds, 0.0)
         compared = np.flatnonzero(speeds > 0)
         torque = np.zeros((motion.samples, motion.q.shape[1]))
         if compared.size:
             problem = build_sample_problem(rows, samples=compared)
-            x = distribute_torques(problem, speeds[compared], torque_weights(None, cell), DEFAULT_SOLVER)
+            x = distribute_torques(problem, speeds[compared], torque_weights(None, cell))
             torque[compared] = problem.torque(x)
         vectors += [
             EmbeddedVector(

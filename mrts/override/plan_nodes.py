@@ -27,7 +27,7 @@ from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, solve_programs
+from mrts.program.solvers import ConvexPrograms, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
@@ -169,7 +169,7 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
     loads = timed.loads if timed else loads
     most, rows = np.full(motion.samples, fastest**2), motion_rows(cell, motion, options.sharing)
     if fastest > 1:
-        upper = [motion_ranges(rows, DEFAULT_SOLVER, load, fastest**2).upper for load in loads]
+        upper = [motion_ranges(rows, load, fastest**2).upper for load in loads]
         most = np.maximum(np.minimum(most, HARDEST * np.min(upper, axis=0)), 1.0)
     return Plan(cell, motion, None if jumps else done.wrench, options, loads, most, rows.has_speed_terms)
 
@@ -354,9 +354,7 @@ def _passed(problem: SampleProblem, lower: Array, upper: Array) -> tuple[Array, 
     if problem.unknowns == 2:  # noqa: PLR2004 (u and x)
         beyond = np.maximum(lower, -upper)
         return np.maximum(np.max(beyond, axis=1, initial=0.0), 0.0), beyond
-    A, free = problem.A[:, :, :-2], np.full(problem.unknowns - 2, -np.inf)
-    passed, dual = least_widening(A, lower, upper, problem.is_limit, free, DEFAULT_SOLVER, "wrenches of the plan")
-    return passed, dual
+    return least_widening(problem.A[:, :, :-2], lower, upper)
 
 
 def _hardest(limits: _Limits, end: int, sign: float) -> tuple[Array, NDArray[np.intp]]:
@@ -370,7 +368,7 @@ def _hardest(limits: _Limits, end: int, sign: float) -> tuple[Array, NDArray[np.
     programs = ConvexPrograms(
         H=None, g=g, A=problem.free[:, kept], lower=lower[:, kept], upper=upper[:, kept], x_lower=-bound, x_upper=bound
     )
-    answers = solve_programs(programs, DEFAULT_SOLVER)
+    answers = solve_programs(programs, problem.solver)
     still = np.max(np.abs(problem.rate), axis=1) <= REST * np.max(np.abs(problem.rate))
     u = np.where(still, HIGHEST, np.where(answers.verified, sign * answers.x[:, -1], 0.0))
     return sign * np.maximum(u, 0.0), kept[np.argmax(np.abs(answers.row_dual), axis=1)]
@@ -410,7 +408,7 @@ def _wrench(plan: Plan, limits: _Limits, end: int, u: Array, *, reserve: bool = 
         torque_speed=None,
     )
     if reserve:
-        alone = reserved(alone, 0.0, DEFAULT_SOLVER)
+        alone = reserved(alone, 0.0)
     weights = torque_weights(plan.options.weights, plan.cell)
-    found[moving] = alone.wrench(distribute_torques(alone, 0.0, weights, DEFAULT_SOLVER))
+    found[moving] = alone.wrench(distribute_torques(alone, 0.0, weights))
     return found

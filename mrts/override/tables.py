@@ -22,7 +22,7 @@ from mrts.base.errors import InputError
 from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
-from mrts.kernel.binding import INFINITY, bind, structure
+from mrts.kernel.binding import INFINITY, structure
 from mrts.kernel.c_text import OVERRIDE, override_source
 from mrts.kernel.compiler import compiled_library
 from mrts.limits import limit_rows
@@ -413,4 +413,4 @@ def _opened(cell: Cell) -> ctypes.CDLL:
     if not isinstance(generated, str):
         cell.functions.library  # noqa: B018 (it says what is missing)
     source = override_source(manifest, str(generated))
-    return compiled_library("override", source, lambda path: bind(ctypes.CDLL(str(path)), (OVERRIDE,)))
+    return compiled_library("override", source, (OVERRIDE,))

@@ -91,60 +91,52 @@ class Conflict:
         )
 
 
-def find_conflicts(
-    problem: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
-) -> list[Conflict | None]:
-    """What conflicts at some samples; None where the limits hold together.
+def find_conflicts(problem: SampleProblem, time: Array) -> list[Conflict | None]:
+    """What conflicts at N samples with times of Shape (N,); None where the limits hold together.
 
     The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
     where the sample is infeasible, and its multipliers are the Farkas certificate.
     """
-    part = problem.at(samples)
-    if part.speed is not None:
-        best = closest_speed(part, solver) ** 2
-        return [
-            found and replace(found, sample=int(sample), c2=float(c2))
-            for found, sample, c2 in zip(conflicts_at(part, best, time[samples], solver), samples, best, strict=True)
-        ]
-    x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
-    widening, row_dual = least_widening(
-        part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
-    )
+    if problem.speed is not None:
+        best = closest_speed(problem) ** 2
+        found = zip(conflicts_at(problem, best, time), best.tolist(), strict=True)
+        return [conflict and replace(conflict, c2=c2) for conflict, c2 in found]
+    limits, unit = (problem.A, problem.lower, problem.upper, problem.is_limit), problem.unit
+    widening, row_dual = least_widening(*limits, solver=problem.solver, least_last=0.0)
     conflicts: list[Conflict | None] = []
-    for index, sample in enumerate(samples):
-        sides = _crossed(part, index) or _certified(part, index, row_dual[index])
+    for sample in range(problem.samples):
+        sides = _crossed(problem, sample) or _certified(problem, sample, row_dual[sample])
         if not sides:
             conflicts.append(None)
             continue
         conflicts.append(
             Conflict(
-                int(sample),
+                sample,
                 float(time[sample]),
-                tuple(part.active_row(row, upper=multiplier > 0) for row, multiplier in sides),
-                tuple(float(multiplier / part.unit[row]) for row, multiplier in sides),
-                float(widening[index]),
-                tuple(float(widening[index] * part.unit[row]) for row, _ in sides),
+                tuple(problem.active_row(row, upper=multiplier > 0) for row, multiplier in sides),
+                tuple(float(multiplier / unit[row]) for row, multiplier in sides),
+                float(widening[sample]),
+                tuple(float(widening[sample] * unit[row]) for row, _ in sides),
             )
         )
     return conflicts
 
 
-def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) -> list[Conflict | None]:
+def conflicts_at(problem: SampleProblem, c2: Array, time: Array) -> list[Conflict | None]:
     """`find_conflicts` at a chosen c² of each sample, where everything is linear."""
     lower, upper = problem.limits_at(c2[:, None])
     A = np.concatenate([problem.free, np.zeros((*problem.square.shape, 1))], axis=2)
-    fixed = replace(problem, A=A, lower=lower, upper=upper, speed=None)
-    return find_conflicts(fixed, time, np.arange(problem.samples), solver)
+    return find_conflicts(replace(problem, A=A, lower=lower, upper=upper, speed=None), time)
 
 
-def closest_speed(problem: SampleProblem, solver: str) -> Array:
+def closest_speed(problem: SampleProblem) -> Array:
     """The c at which the limits of a sample must move outward the least, Shape (N,), where rows have a term in ṙ.
 
     The widening is no convex function of c, but the more of it the more speeds are admitted: it is halved as long as
     some speed is left, up to what standstill takes.
     """
     c, low = np.zeros((2, problem.samples))
-    high = widening_at(problem, 0.0, solver, "at which speed the limits come closest")
+    high = widening_at(problem, 0.0)
     for _ in range(HALVINGS):
         level = (low + high) / 2
         moved = level[:, None] * problem.is_limit
@@ -202,28 +194,26 @@ def least_widening(
     A: Array,
     lower: Array,
     upper: Array,
-    is_limit: NDArray[np.bool_],
-    x_lower: Array,
-    solver: str,
-    what: str,
+    sizes: NDArray[Any] | float = 1.0,
     *,
-    sizes: tuple[Array, Array] | None = None,
+    solver: str = DEFAULT_SOLVER,
     least: float = 0.0,
+    least_last: float = -np.inf,
 ) -> tuple[Array, Array]:
     """Solve min s, lower - s l <= A x <= upper + s u for limits, lower <= A x <= upper for laws; it has a solution.
 
-    A has Shape (N, r, k), its limits (N, r); laws are where `is_limit`, Shape (r,), is False. Unknowns are at least
-    `x_lower`, Shape (k,), and s is at least `least`: below 0 limits move inward. `sizes` are l and u, Shape (r,), or 1.
+    A has Shape (N, r, k), its limits (N, r). `sizes` are l and u, one for all or as Shape (2, r): 0 of laws. The last
+    unknown is at least `least_last`, and s at least `least`: below 0 limits move inward.
 
     Returns:
         Least s, Shape (N,), and multipliers of the rows, positive at an upper limit, Shape (N, r).
 
     Raises:
-        SolverError: If no solver answers; it says `what` was looked for.
+        SolverError: If no solver answers.
     """
     count, rows, unknowns = A.shape
-    below, above = (np.ones(rows), np.ones(rows)) if sizes is None else sizes
-    limits, laws = np.flatnonzero(is_limit), np.flatnonzero(~is_limit)
+    below, above = np.broadcast_to(np.asarray(sizes, dtype=np.float64), (2, rows))
+    limits, laws = np.flatnonzero(below > 0), np.flatnonzero(below <= 0)
     # each limit twice, once a side, as s moves them in opposite senses; laws once, as they are
     order = np.concatenate([limits, limits, laws])
     sense = np.repeat([-1.0, 1.0, 0.0], [len(limits), len(limits), len(laws)])
@@ -231,7 +221,8 @@ def least_widening(
     moved = np.broadcast_to(moved[:, None], (count, len(order), 1))
     g = np.zeros((count, unknowns + 1))
     g[:, -1] = 1
-    bounds = np.tile(np.append(x_lower, least), (count, 1))
+    bounds = np.full((count, unknowns + 1), -np.inf)
+    bounds[:, unknowns - 1 : unknowns], bounds[:, -1] = least_last, least
     programs = ConvexPrograms(
         H=None,
         g=g,
@@ -242,24 +233,19 @@ def least_widening(
         x_upper=np.full_like(bounds, np.inf),
     )
     answers = solve_programs(programs, solver)
-    require_verified(answers, what)
+    require_verified(answers)
     row_dual = np.zeros((count, rows))
     for column, row in enumerate(order):
         row_dual[:, row] += answers.row_dual[:, column]
     return answers.x[:, -1], row_dual
 
 
-def widening_at(problem: SampleProblem, c2: float | Array, solver: str, what: str) -> Array:
+def widening_at(problem: SampleProblem, c2: float | Array) -> Array:
     """Least s that admits a c², one for all samples or Shape (N, 1), Shape (N,); of one unknown, the largest excess."""
     lower, upper = problem.limits_at(c2)
     if problem.unknowns == 1:
         return np.asarray(np.max(np.maximum(lower, -upper), axis=1, initial=0.0), dtype=np.float64)
-    free = np.full(problem.unknowns - 1, -np.inf)
-    return least_widening(problem.free, lower, upper, problem.is_limit, free, solver, what)[0]
-
-
-WHAT = "the excess between samples"
-"""What is found, for messages."""
+    return least_widening(problem.free, lower, upper, problem.is_limit, solver=problem.solver)[0]
 
 
 def motion_widening(
@@ -282,7 +268,7 @@ def motion_widening(
     if left.size:
         carried = load if load is None or load.ndim == 1 else load[left]
         problem = build_sample_problem(rows, load=carried, samples=places[left])
-        share[left] = widening_at(problem, c2[left, None], DEFAULT_SOLVER, WHAT)
+        share[left] = widening_at(problem, c2[left, None])
     return share
 
 

@@ -13,12 +13,14 @@ from mrts.base.arrays import Array, with_part
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
-from mrts.kernel.cell_library import Terms
+from mrts.kernel.binding import filled, work_arrays
+from mrts.kernel.cell_library import TERMS, Terms, sample_inputs
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows, few_sides, kernel_limits, moved
 from mrts.motion.rows_at_rest import REST
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.solvers import DEFAULT_SOLVER
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +106,7 @@ SQUARE_AT_REST = 1e-24
 class MotionRows:
     """All limits of a cell along a motion of N samples, and what its motors add, as every program takes them.
 
-    Programs are those of a formulation, "wrench" or "torque", or of a fixed distribution of the load.
+    Programs are those of a formulation, "wrench" or "torque", or of a fixed distribution of the load, for a solver.
     In `rows`, of the form that `LimitRows` gives, those with no term but b ṙ are rewritten in ṙ².
 
     Attributes:
@@ -112,6 +114,7 @@ class MotionRows:
         motion: Its motion.
         sharing: A fixed distribution of the load; None for a free one.
         formulation: That of the programs where the distribution is free.
+        solver: Name in the registry of what solves them.
         given: The r rows as they were given.
         rows: The same rows, those of the speed alone in ṙ².
         unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
@@ -125,6 +128,7 @@ class MotionRows:
     motion: CoordinatedMotion
     sharing: LoadSharing | None
     formulation: FormulationName
+    solver: str
     given: LimitRows
     rows: LimitRows
     unit: Array
@@ -162,14 +166,17 @@ class MotionRows:
         speed: float | Array | None = None,
         samples: NDArray[np.intp] | None = None,
     ) -> None:
-        """Call a function of the kernel for all samples, or some, as `CellLibrary.over_samples`.
+        """Call a C function of whole trajectories for all samples, or some.
 
-        ṙ is one of all k of them, or Shape (k, 1), and None where it is to be found.
+        `asked` is what it takes of each of k samples, `for_all` what it takes besides, `outputs` what it fills. ṙ is
+        one of all of them, or Shape (k, 1), and None where it is to be found.
         """
-        inputs = self.inputs(load, samples)
-        library, count = self.cell.library, len(asked[0])
-        terms = self.terms(speed, samples)
-        library.over_samples(function, count, inputs, self._limits, terms, asked, outputs, for_all)
+        library, count, limits = self.cell.library, len(asked[0]), self._limits
+        given = sample_inputs(library.records["wrench_form"], count, self.inputs(load, samples))
+        where = count, *given, limits, filled(TERMS, **self.terms(speed, samples))
+        work = work_arrays(library.opened, "mrts_samples", limits.rows)
+        failed = getattr(library.opened, function)(*where, *asked, *for_all, *outputs, *work)
+        assert not failed  # noqa: S101 (`sparse_limits` has looked at the limits)
 
     @cached_property
     def most(self) -> Array:
@@ -195,7 +202,7 @@ class MotionRows:
 
     def along(self, motion: CoordinatedMotion) -> "MotionRows":
         """The rows of the same cell and the same programs along another motion."""
-        return motion_rows(self.cell, motion, self.sharing, self.formulation)
+        return motion_rows(self.cell, motion, self.sharing, self.formulation, self.solver)
 
     def at_rest(self, samples: NDArray[np.intp]) -> "MotionRows":
         """The rows at k samples where the joints stand, so that no friction opposes a motion and no row has the speed.
@@ -259,6 +266,7 @@ def motion_rows(
     motion: CoordinatedMotion,
     sharing: LoadSharing | None = None,
     formulation: FormulationName = "wrench",
+    solver: str = DEFAULT_SOLVER,
     *,
     circles: bool = False,
 ) -> MotionRows:
@@ -293,6 +301,7 @@ def motion_rows(
         motion=motion,
         sharing=sharing,
         formulation=formulation,
+        solver=solver,
         given=given,
         rows=rows,
         unit=unit,

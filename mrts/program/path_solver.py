@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.kernel.binding import INFINITY, bind, filled, interruptible, structure
+from mrts.kernel.binding import INFINITY, filled, interruptible, structure
 from mrts.kernel.c_text import SMOOTH, SMOOTH_LEVEL, one_text
 from mrts.kernel.compiler import compiled_library
 from mrts.program.smooth_program import LEAST_EFFORT, Goal, SmoothProfile, SmoothProgram
@@ -220,5 +220,4 @@ def _of_program(program: SmoothProgram) -> Any:
 
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
-    text = SMOOTH_LEVEL + one_text((SMOOTH,))
-    return compiled_library("mrts_smooth", text, lambda library: bind(ctypes.CDLL(str(library)), (SMOOTH,)))
+    return compiled_library("mrts_smooth", SMOOTH_LEVEL + one_text((SMOOTH,)), (SMOOTH,))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY
 from mrts.kernel.cell_library import range_record
-from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, STOPPED, default_programs
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, STOPPED, speed_intervals
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.program.motion_rows import CAPS_TIE, MotionRows, binds, largest_square
 from mrts.program.sample_problem import SampleProblem
@@ -139,18 +139,18 @@ AT_UNBOUNDED = 1e-9
 """Rounding of an answer at that bound."""
 
 
-def ends_of_problem(problem: SampleProblem, solver: str, high: float, *, alone: bool = False) -> RangeEnds:
-    """The ends of the rows of some samples; as in `motion_ranges`, or by one solver alone."""
+def ends_of_problem(problem: SampleProblem, high: float, *, alone: bool = False) -> RangeEnds:
+    """The ends of the rows of some samples; as in `motion_ranges`, or by the problem's solver alone."""
     if problem.speed is None and problem.unknowns == 1:
         found = ends_of_rows(problem)
     elif problem.speed is None:
-        found = ends_by_linear_programs(problem, solver, alone=alone)
+        found = ends_by_linear_programs(problem, alone=alone)
     else:
         found = intervals_below(lambda most: highest_intervals(problem, most), np.full(problem.samples, np.inf), high)
     return with_caps(found, problem.is_cap, problem.cap_share, problem.square)
 
 
-def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool = False) -> RangeEnds:
+def ends_by_linear_programs(problem: SampleProblem, *, alone: bool = False) -> RangeEnds:
     """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns.
 
     Caps go in as a bound of c²: rows of a motion near rest would spoil its scale.
@@ -170,7 +170,7 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool 
         g = np.zeros((count, unknowns))
         g[:, -1] = direction
         programs = ConvexPrograms(H=None, g=g, A=A, lower=lower, upper=upper, x_lower=x_lower, x_upper=x_upper)
-        return solve_programs(programs, solver, alone=alone)
+        return solve_programs(programs, problem.solver, alone=alone)
 
     least, largest = solve(1.0), solve(-1.0)
     free = (largest.x[:, -1] >= UNBOUNDED * (1 - AT_UNBOUNDED)) | (effect == 0)
@@ -225,7 +225,7 @@ def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
     column, row = scales(A, lower == upper)
     A, speed = A * row[:, :, None], problem.speed[:, rows] * row
-    count, programs = problem.samples, default_programs()
+    count = problem.samples
     (low, high, below), of_rows = np.zeros((3, count)), np.zeros((2, *lower.shape))
     status = np.full(count, MARGINAL, dtype=np.uint8)
     for scale in SCALES:
@@ -234,7 +234,7 @@ def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
             break
         size = column[left]
         size[:, :-1] *= scale
-        low[left], high[left], below[left], of_rows[:, left], status[left] = programs.speed_intervals(
+        low[left], high[left], below[left], of_rows[:, left], status[left] = speed_intervals(
             A[left] * size[:, None], (lower * row)[left], (upper * row)[left], size, speed[left], cap[left]
         )
     nothing, dual, effect = status != OPTIMAL, np.zeros((2, *problem.lower.shape)), problem.effect(caps=False)

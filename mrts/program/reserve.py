@@ -27,7 +27,6 @@ from mrts.program.path_solver import KernelSolver
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem, moved_by
 from mrts.program.smooth_program import SmoothProgram
-from mrts.program.solvers import DEFAULT_SOLVER
 
 LEAST_SHARE = 0.01
 """Share of a limit that torques may always use: they are not asked to keep more than 99 % of it free."""
@@ -49,7 +48,7 @@ NO_RESERVE = 1e-9
 """A reserve below this share is none: at the fastest c² rounding leaves some, of the precision of an answer."""
 
 
-def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array, Array]:
+def least_shares(problem: SampleProblem, c2: float) -> tuple[Array, Array]:
     """The least largest share of any limit at each sample, less 1: as a widening, below 0 within the limits.
 
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
@@ -59,20 +58,15 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
         problem.free,
         np.where(moved, lower, -np.inf),
         np.where(moved, upper, np.inf),
-        sizes[0] > 0,
-        np.full(problem.unknowns - 1, -np.inf),
-        solver,
-        f"the reserve at c² = {c2:g}",
-        sizes=(sizes[0], sizes[1]),
+        sizes,
+        solver=problem.solver,
         least=-1.0,
     )
 
 
-def reserved(problem: SampleProblem, c2: float, solver: str) -> SampleProblem:
+def reserved(problem: SampleProblem, c2: float) -> SampleProblem:
     """The same problem with all limits reduced to the least share of themselves that admits c², or to `LEAST_SHARE`."""
-    if problem.unknowns == 1:
-        return problem
-    share = np.maximum(1 + least_shares(problem, c2, solver)[0], LEAST_SHARE)
+    share = np.maximum(1 + least_shares(problem, c2)[0], LEAST_SHARE)
     low, high = (1 - share)[:, None] * whole_sides(problem.free, problem.counted)
     return replace(problem, lower=problem.lower + low, upper=problem.upper - high)
 
@@ -208,7 +202,7 @@ def plan_reserve(rows: MotionRows, c2: float, loads: tuple[LoadPoint | None, ...
             given, time = rows.given.at(block), rows.motion.object.time
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
-                at_best = _shares_moved(*least_shares(problem, c2, DEFAULT_SOLVER))
+                at_best = _shares_moved(*least_shares(problem, c2))
                 distributed.append(_reserve(given, at_best, time, start, load))
                 shares = np.maximum(shares, at_best)
             whole.append(_reserve(given, shares, time, start, load))

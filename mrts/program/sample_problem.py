@@ -15,6 +15,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, LimitRows, RowName, counted_sizes, turned
 from mrts.program.formulation import FORMULATIONS
 from mrts.program.motion_rows import MotionRows, MotorTerms, largest_square, side_share
+from mrts.program.solvers import DEFAULT_SOLVER
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
@@ -60,6 +61,7 @@ class SampleProblem:
         limit_upper: Likewise, Shape (r,).
         torque_speed: What ṙ adds to the torques, Shape (N, m); None where it adds nothing.
         speed: Shape (N, r); None where no row has a term in ṙ.
+        solver: Name in the registry of what solves programs of these rows.
     """
 
     torque_map: Array
@@ -77,6 +79,7 @@ class SampleProblem:
     limit_upper: Array
     torque_speed: Array | None = None
     speed: Array | None = None
+    solver: str = DEFAULT_SOLVER
 
     @property
     def samples(self) -> int:
@@ -163,7 +166,7 @@ class SampleProblem:
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
         """The same problem with s more rows, which have no term in ṙ; columns are their attributes."""
-        more = {
+        more: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), part], axis=1 if np.ndim(part) > 1 else 0)
             for name, part in columns.items()
         }
@@ -228,6 +231,7 @@ def build_sample_problem(
         speed=None if speed is None else speed / size,
         limit_lower=rows.given.lower,
         limit_upper=rows.given.upper,
+        solver=rows.solver,
     )
 
 

@@ -134,17 +134,15 @@ class SampleRanges:
         }
 
 
-def motion_ranges(
-    rows: MotionRows, solver: str = DEFAULT_SOLVER, load: Array | None = None, high: float = np.inf
-) -> SampleRanges:
+def motion_ranges(rows: MotionRows, load: Array | None = None, high: float = np.inf) -> SampleRanges:
     """Least and largest c² at every sample (step 1 of MMTSF), by the compiled path where it applies.
 
     A load stands instead of the cell's, Shape (10,). Of several intervals it is the
     highest that does not begin above `high`.
     """
     time, asked = rows.motion.object.time, (rows.cell, rows.motion, rows.sharing, load)
-    if solver != DEFAULT_SOLVER or not rows.compiled:
-        return sample_ranges(build_sample_problem(rows, load=load), time, solver, high, asked)
+    if rows.solver != DEFAULT_SOLVER or not rows.compiled:
+        return sample_ranges(build_sample_problem(rows, load=load), time, high, asked)
     find = partial(kernel_ends, rows, load)
     ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
     ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
@@ -156,18 +154,18 @@ def motion_ranges(
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
-        conflicts += decide(ends, block, problem, time, solver, high)
+        conflicts += decide(ends, block, problem, time, high)
     limits = rows.given.names, np.stack([rows.given.lower, rows.given.upper])
     return _ranges(time, ends, conflicts, limits, asked)
 
 
 def sample_ranges(
-    problem: SampleProblem, time: Array, solver: str, high: float = np.inf, asked: Asked | None = None
+    problem: SampleProblem, time: Array, high: float = np.inf, asked: Asked | None = None
 ) -> SampleRanges:
     """Step 1 of MMTSF for rows along a motion: min and max of c² at every sample; see `motion_ranges`."""
     still = without_speed_at_rest(problem)
-    ends = ends_of_problem(still, solver, high, alone=True)
-    conflicts = decide(ends, ends.undecided, still, time, solver, high)
+    ends = ends_of_problem(still, high, alone=True)
+    conflicts = decide(ends, ends.undecided, still, time, high)
     limits = problem.names, np.stack([problem.limit_lower, problem.limit_upper])
     return _ranges(time, ends, conflicts, limits, asked)
 
@@ -184,7 +182,7 @@ def _ranges(
 
 
 def decide(
-    ends: RangeEnds, samples: NDArray[np.intp], problem: SampleProblem, time: Array, solver: str, high: float
+    ends: RangeEnds, samples: NDArray[np.intp], problem: SampleProblem, time: Array, high: float
 ) -> list[Conflict]:
     """Find the ends of some samples that one solver did not find, or the conflicts of those that have none.
 
@@ -196,15 +194,15 @@ def decide(
     if not samples.size:
         return []
     part = problem if problem.samples == samples.size else problem.at(samples)
-    own, places = RangeEnds.unknown(samples.size, len(part.names)), np.arange(samples.size)
-    found = find_conflicts(part, time[samples], places, solver)
+    own = RangeEnds.unknown(samples.size, len(part.names))
+    found = find_conflicts(part, time[samples])
     feasible = np.array([conflict is None for conflict in found], dtype=bool)
     own.status[~feasible] = OPTIMAL
     for widening in (0.0, 2 * CERTIFICATE_TOLERANCE):  # wider by what cannot be told from nothing
         left = own.undecided
         if left.size:
             wider = replace(part, lower=part.lower - widening, upper=part.upper + widening).at(left)
-            own.replace(left, ends_of_problem(wider, solver, high))
+            own.replace(left, ends_of_problem(wider, high))
             own.lower[left] = np.minimum(own.lower[left], own.upper[left])
     if own.undecided.size:
         raise SolverError(

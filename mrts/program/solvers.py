@@ -15,7 +15,7 @@ import numpy as np
 
 from mrts.base.arrays import Array, apply, with_part
 from mrts.base.errors import InputError, SolverError, check_type
-from mrts.kernel.programs import default_programs
+from mrts.kernel.programs import solve_batch
 
 DEFAULT_SOLVER = "kernel"
 
@@ -131,7 +131,7 @@ def kernel(programs: ConvexPrograms) -> Found:
     rows = programs.A.shape[1]
     low = np.concatenate([programs.lower, programs.x_lower], axis=1)
     high = np.concatenate([programs.upper, programs.x_upper], axis=1)
-    x, dual, _ = default_programs().solve(programs.H, programs.g, programs.A, low, high)
+    x, dual, _ = solve_batch(programs.H, programs.g, programs.A, low, high)
     return x, dual[:, :rows], dual[:, rows:]
 
 
@@ -220,11 +220,11 @@ def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False
     return Answers(x * column, row_dual * row, bound_dual / column, verified)
 
 
-def require_verified(answers: Answers, what: str) -> None:
+def require_verified(answers: Answers) -> None:
     """SolverError where no solver could answer, of the first such sample."""
     if not np.all(answers.verified):
         sample = int(np.argmin(answers.verified))
         raise SolverError(
-            f"no solver found {what} at sample {sample} to a precision of {OPTIMALITY_TOLERANCE:.0e}. This is a defect "
-            "of mrts or of extremely scaled data: please report the cell and the motion."
+            f"no solver answers the program of sample {sample} to a precision of {OPTIMALITY_TOLERANCE:.0e}. This is a "
+            "defect of mrts or of extremely scaled data: please report the cell and the motion."
         )

@@ -48,7 +48,7 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
 
 
 def motion_torques(
-    rows: MotionRows, solver: str, c2: float, weights: Array, distribute: DistributionName = "least-torque"
+    rows: MotionRows, c2: float, weights: Array, distribute: DistributionName = "least-torque"
 ) -> tuple[Array, Array]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c².
 
@@ -57,10 +57,10 @@ def motion_torques(
     if distribute == "reserve":
         cell, whole = rows.cell, rows
         if cell.reserve:
-            whole = motion_rows(cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
-        return torques_by_blocks(whole, solver, c2, weights, within=lambda problem: reserved(problem, c2, solver))
-    if solver != DEFAULT_SOLVER or not rows.compiled:
-        return torques_by_blocks(rows, solver, c2, weights)
+            whole = motion_rows(cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation, rows.solver)
+        return torques_by_blocks(whole, c2, weights, within=lambda problem: reserved(problem, c2))
+    if rows.solver != DEFAULT_SOLVER or not rows.compiled:
+        return torques_by_blocks(rows, c2, weights)
     count, library = rows.motion.samples, rows.cell.library
     torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))
     status = np.full(count, STOPPED, dtype=np.uint8)
@@ -68,11 +68,11 @@ def motion_torques(
     rows.over_samples("mrts_torques", asked, outputs, (1, weights, TORQUE_WIDENING), speed=float(np.sqrt(c2)))
     missing = (status != OPTIMAL).nonzero()[0]
     if missing.size:
-        torque[missing], wrench[missing] = torques_by_blocks(rows, solver, c2, weights, missing)
+        torque[missing], wrench[missing] = torques_by_blocks(rows, c2, weights, missing)
     return torque, wrench
 
 
-def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> Array:
+def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array) -> Array:
     """Eqs. (31), (32), (33), (34): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
 
     c² is one for all samples, or Shape (N,); W has Shape (m, m) and is positive definite.
@@ -102,14 +102,13 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
         x_lower=np.full((count, unknowns - 1), -np.inf),
         x_upper=np.full((count, unknowns - 1), np.inf),
     )
-    answers = solve_programs(programs, solver)
-    require_verified(answers, f"torques for c² = {np.min(c2):g}")
+    answers = solve_programs(programs, problem.solver)
+    require_verified(answers)
     return np.concatenate([answers.x, speed], axis=1)
 
 
 def torques_by_blocks(
     rows: MotionRows,
-    solver: str,
     c2: float,
     weights: Array,
     samples: NDArray[np.intp] | None = None,
@@ -124,6 +123,6 @@ def torques_by_blocks(
     for start in range(0, len(places), BLOCK):
         block = slice(start, start + BLOCK)
         problem = build_sample_problem(rows, samples=places[block])
-        x = distribute_torques(within(problem), c2, weights, solver)
+        x = distribute_torques(within(problem), c2, weights)
         torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
     return torque, wrench

@@ -129,7 +129,7 @@ def range_at_samples(
         SolverError: If no solver answers.
     """
     if options.load == "nominal":
-        return common_range(partial(motion_ranges, rows, options.solver, None), high), None
+        return common_range(partial(motion_ranges, rows, None), high), None
     box, every = load_box(rows.cell, options.load), options.load != "possible"
     if options.load in {"guaranteed", "possible"}:
         varying = effective_parameters(rows.cell, rows.motion, box)
@@ -140,21 +140,21 @@ def range_at_samples(
     of_points = []
     for number, point in enumerate(points):
         progress(number, len(points))
-        of_points.append(common_range(partial(motion_ranges, rows, options.solver, point.load), high))
+        of_points.append(common_range(partial(motion_ranges, rows, point.load), high))
     progress(len(points), len(points))
     not_converged: tuple[int, ...] = ()
 
     def find(below: float) -> SampleRanges:
         nonlocal not_converged
         ranges = [
-            motion_ranges(rows, options.solver, point.load, below)
+            motion_ranges(rows, point.load, below)
             if known.samples.several and not (every and below == high)
             else known.samples
             for point, known in zip(points, of_points, strict=True)
         ]
         found = combined_ranges(points, ranges, every=every)
         if not every and varying:
-            found, not_converged = _searched(rows, options.solver, box, varying, found, progress)
+            found, not_converged = _searched(rows, box, varying, found, progress)
         return found
 
     found = common_range(find, high)
@@ -235,7 +235,6 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
 
 def _searched(
     rows: MotionRows,
-    solver: str,
     box: LoadBox,
     varying: tuple[str, ...],
     best: SampleRanges,
@@ -272,7 +271,7 @@ def _searched(
             done += 1
             progress(done, total)
         loads = np.array([point.load for point in tried])
-        checked = sample_ranges(build_sample_problem(rows, load=loads), motion.object.time, solver)
+        checked = sample_ranges(build_sample_problem(rows, load=loads), motion.object.time)
         checked = replace(checked, loads=(tried, tried))
         reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
         kept = sign * (c2 - reached[samples]) <= ACHIEVED_TOLERANCE * np.abs(c2)

@@ -53,7 +53,7 @@ class Options(EqualByNumbers):
 
     def rows(self, cell: Cell, motion: CoordinatedMotion) -> MotionRows:
         """The limits of a cell along a motion, as the programs that are asked for take them."""
-        return motion_rows(cell, motion, self.sharing, self.formulation)
+        return motion_rows(cell, motion, self.sharing, self.formulation, self.solver)
 
     def checked(self, cell: Cell) -> Self:
         """The same with what "auto" asks of the load of a cell.

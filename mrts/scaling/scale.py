@@ -177,7 +177,7 @@ def admissible_range(
 
         def ranges(there: MotionRows) -> SampleRanges:
             if options.load == "nominal":
-                return motion_ranges(there, options.solver, None, ends[1])
+                return motion_ranges(there, None, ends[1])
             return range_at_samples(there, options, high=ends[1])[0].samples
 
         refined, excess = refine(rows, found.samples, ends, ranges, options.between)
@@ -217,7 +217,7 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
         share = motion_widening(rows, np.full(motion.samples, c2), load)
         sample = np.array([np.argmax(share)])
         problem = build_sample_problem(rows, load=load, samples=sample)
-        (found,) = conflicts_at(problem, np.array([c2]), motion.object.time[sample], result.options.solver)
+        (found,) = conflicts_at(problem, np.array([c2]), motion.object.time[sample])
         if found is not None and (worst is None or found.widening > worst.widening):
             worst = replace(found, sample=int(sample[0]), load=point, c2=c2)
     return worst
@@ -332,7 +332,7 @@ def with_torques(
     if given is not None:
         torque, wrench = given
     elif options.rates is None:
-        torque, wrench = motion_torques(rows, options.solver, c2, W, options.distribute)
+        torque, wrench = motion_torques(rows, c2, W, options.distribute)
     else:
         torque, wrench = torques_within_rates(rows, options.rates, c2, W, options.distribute)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, _holding(options, rows, W))
@@ -354,7 +354,7 @@ def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
         held &= motion_widening(rows.at_rest(places), np.zeros(2)) <= TORQUE_WIDENING
     if held.any():  # where one end has none, the other stands for both
         still = rows.at_rest(places[held][[0, -1]])
-        found = motion_torques(still, options.solver, 0.0, weights, options.distribute)
+        found = motion_torques(still, 0.0, weights, options.distribute)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found)
     return Holding((bool(held[0]), bool(held[1])), torque, wrench)
 

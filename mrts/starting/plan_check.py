@@ -25,7 +25,6 @@ from mrts.motion.rows_at_rest import moving_rows, pushing_ends
 from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved, without_unmoved
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import torque_weights, torques_by_blocks
 from mrts.scaling.limit_use import LimitedQuantities, LimitUse, by_share, limit_uses, limits_table, percent, rate_uses
 from mrts.scaling.options import Options
@@ -256,10 +255,10 @@ def _best_torques(cell: Cell, motion: CoordinatedMotion) -> tuple[Array, Array]:
     """Torques and wrenches whose largest share of a limit is the least at each place, within limits or not."""
 
     def within(problem: SampleProblem) -> SampleProblem:
-        return reserved(without_unmoved(problem), 1.0, DEFAULT_SOLVER)
+        return reserved(without_unmoved(problem), 1.0)
 
     rows, weights = motion_rows(cell.with_reserve(0.0), motion), torque_weights(None, cell)
-    return torques_by_blocks(rows, DEFAULT_SOLVER, 1.0, weights, within=within)
+    return torques_by_blocks(rows, 1.0, weights, within=within)
 
 
 def _given_torques(

@@ -19,7 +19,6 @@ from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.timing.path_pieces import PLACES, PathPiece, path_pieces, root_mean_square, with_samples
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
@@ -202,7 +201,7 @@ def _overstepped(timed: RetimingResult, part: TimedPiece, segment: int, place: i
     played = between_path_samples(timed.cell, part, np.array([segment, segment]), PLACES[[place]])
     rows = motion_rows(timed.cell, played, timed.options.sharing)
     worst = max(timed.loads, key=lambda load: motion_widening(rows, np.ones(2), load)[0])
-    found = motion_ranges(rows, DEFAULT_SOLVER, worst, 1.0).binding(0, "upper")
+    found = motion_ranges(rows, worst, 1.0).binding(0, "upper")
     return found[0] if found else None
 
 

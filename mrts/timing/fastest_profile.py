@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, median
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, backward, effects, forward, half_planes, projections
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import REST_TOLERANCE
 
@@ -87,7 +87,7 @@ def speed_regions(
     by_itself = taken & ~problem.A[0, :, :-2].any(axis=1)
     by_itself[by_itself] = ~problem.A[:, by_itself, :-2].any(axis=(0, 2))
     every, alone, rows = (of.nonzero()[0].astype(np.int32) for of in (taken, by_itself, taken & ~by_itself))
-    effect = default_programs().effects(problem.A, every)
+    effect = effects(problem.A, every)
     effect[effect[:, -2] <= REST_TOLERANCE * effect[:, -2].max(), -2] = 0.0  # u moves nothing but by rounding
     by_row = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
     if bound is None:
@@ -110,7 +110,7 @@ def speed_regions(
     found = (number > 0) & ~(problem.lower > problem.upper).any(axis=1)  # sides that cross leave nothing to project
     if not found.all():
         corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
-    start, planes, low, high = default_programs().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
+    start, planes, low, high = half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
     high = np.where(moves[:, 1] & (high < NEAR_BOX * box), high * moving, np.inf)
     lower = np.maximum(low, 0.0) * scale[:, -1]
     undecided = tuple((~found).nonzero()[0].tolist())
@@ -162,7 +162,7 @@ def _likely_speed(
     scale[:, -2] /= effect[probes]
     bound = np.tile([BOX, 0.0], (len(probes), 1))
     some = problem.A[probes], problem.lower[probes], problem.upper[probes]
-    number, corners, _ = default_programs().projections(*some, scale, (-bound, bound), rows)
+    number, corners, _ = projections(*some, scale, (-bound, bound), rows)
     largest = np.ones(len(probes))
     np.maximum.at(largest, np.repeat(np.arange(len(probes)), number), np.abs(corners[:, 0]))
     return max(*ends, 2 * length * median(largest / effect[probes]))
@@ -181,7 +181,7 @@ def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
 def _projections(
     problem: SampleProblem, rows: NDArray[np.int32], scale: Array, bounds: tuple[Array, Array]
 ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
-    return default_programs().projections(problem.A, problem.lower, problem.upper, scale, bounds, rows)
+    return projections(problem.A, problem.lower, problem.upper, scale, bounds, rows)
 
 
 def _decided_projections(
@@ -279,14 +279,13 @@ def fastest_profile(
     lower[last] = upper[last] = ends[1]
     planes = np.ascontiguousarray(regions.planes)
     steps = np.ascontiguousarray(step)
-    kernel = default_programs()
-    failed = kernel.backward(steps, rise, regions.start, planes, lower, upper)
+    failed = backward(steps, rise, regions.start, planes, lower, upper)
     if failed >= 0:
         return Obstacle("segment", failed, (float(lower[failed + 1]), float(upper[failed + 1])))
     if not _within(ends[0], lower[0], upper[0]):
         return Obstacle("start", 0, (float(lower[0]), float(upper[0])), (float(lower[1]), float(upper[1])))
     first = min(max(ends[0], lower[0]), upper[0])
-    x = kernel.forward(steps, rise, regions.start, planes, lower, upper, first)
+    x = forward(steps, rise, regions.start, planes, lower, upper, first)
     return SpeedProfile(regions, x, lower, upper, rise)
 
 

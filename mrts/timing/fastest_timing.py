@@ -18,7 +18,6 @@ from mrts.limits.rows import RowName, rows_text
 from mrts.program.infeasibility import Conflict, conflicts_at, find_conflicts
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion
 from mrts.timing.fastest_profile import (
@@ -278,9 +277,9 @@ def _least(problem: SampleProblem, time: float, x: float | None) -> Conflict | N
     """What conflicts where limits pass each other least; None where some hold together. x may be given."""
     count = problem.samples
     if x is None:
-        found = find_conflicts(problem, np.full(count, time), np.arange(count), DEFAULT_SOLVER)
+        found = find_conflicts(problem, np.full(count, time))
     else:
-        found = conflicts_at(problem, np.full(count, x), np.full(count, time), DEFAULT_SOLVER)
+        found = conflicts_at(problem, np.full(count, x), np.full(count, time))
     conflicts = [replace(one, c2=None) for one in found if one is not None]  # x is none of the given motion's c²
     return None if len(conflicts) < len(found) else min(conflicts, key=attrgetter("widening"))
 

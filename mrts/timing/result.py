@@ -21,7 +21,6 @@ from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.limit_use import LimitUse
@@ -272,7 +271,7 @@ class RetimingResult(Result):
         for motion in at_segment_ends(part):
             rows = motion_rows(self.cell, motion, sharing)
             for load in self.loads:
-                found = motion_ranges(rows, DEFAULT_SOLVER, load, 1 + BINDING)
+                found = motion_ranges(rows, load, 1 + BINDING)
                 for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
                     bound[segment] |= {*found.binding(segment, "upper")}
         return bound

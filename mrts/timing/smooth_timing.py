@@ -17,7 +17,6 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path_program
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfileError, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.timing.between_samples import refined_timing
@@ -227,12 +226,8 @@ def _timed(question: SmoothQuestion, part: _Part) -> tuple[SmoothProgram, StepsT
 
 def _widening(program: SmoothProgram, profile: SmoothProfile) -> float:
     """The share of limits by which those of some node must widen to admit wrenches, whatever these do elsewhere."""
-    rows, free = program.free.shape[1:]
-    given = program.values(profile.x, profile.u, np.zeros((len(profile.x), free)))
-    limits = program.lower - given, program.upper - given
-    anywhere, all_rows = np.full(free, -np.inf), np.ones(rows, dtype=bool)
-    what = "by how much a corner's limits are passed"
-    return float(np.max(least_widening(program.free, *limits, all_rows, anywhere, DEFAULT_SOLVER, what, least=-1.0)[0]))
+    given = program.values(profile.x, profile.u, np.zeros_like(program.free[:, 0]))
+    return float(np.max(least_widening(program.free, program.lower - given, program.upper - given, least=-1.0)[0]))
 
 
 def _why(question: SmoothQuestion, found: NoProfileError) -> tuple[RetimingStatus, str]:
@@ -284,5 +279,5 @@ def _stopped_wrenches(problems: Sequence[SampleProblem], weights: Array) -> Arra
         last = problem.at(np.array([problem.samples - 1]))
         maps = {name: np.delete(getattr(last, name), -2, axis=2) for name in ("A", "torque_map", "wrench_map")}
         still = replace(last, speed=None, torque_speed=None, **maps)
-        found.append(distribute_torques(still, 0.0, weights, DEFAULT_SOLVER)[0, :-1])
+        found.append(distribute_torques(still, 0.0, weights)[0, :-1])
     return np.stack(found)

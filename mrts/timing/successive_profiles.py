@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.programs import default_programs
+from mrts.kernel.programs import backward
 from mrts.program.sample_problem import SampleProblem
 from mrts.timing.fastest_profile import (
     FARTHEST,
@@ -243,7 +243,7 @@ def _backward(
         return None
     lower, upper = np.array([cell.lower[i], to.low]), np.array([cell.upper[i], to.high])
     start, planes = _joined([(cell, i), (next_cell, i + 1)])
-    failed = default_programs().backward(np.array([step]), np.zeros(1), start, planes, lower, upper)
+    failed = backward(np.array([step]), np.zeros(1), start, planes, lower, upper)
     return None if failed >= 0 else (float(lower[0]), float(upper[0]))
 
 

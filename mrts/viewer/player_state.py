@@ -223,7 +223,7 @@ def _trajectory(result: ScalingResult, c2: float) -> ScaledTrajectory:
         torque, wrench = widened_torques(cell, motion, options, c2)
     else:
         rows, weights = options.rows(cell, motion), torque_weights(options.weights, cell)
-        torque, wrench = motion_torques(rows, options.solver, c2, weights, options.distribute)
+        torque, wrench = motion_torques(rows, c2, weights, options.distribute)
     return ScaledTrajectory(cell, motion, c2, torque, wrench)
 
 
@@ -238,24 +238,24 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
         InputError: If an option breaks a rule.
         SolverError: If no solver answers.
     """
-    solver, by_reserve = options.solver, options.distribute == "reserve"
+    by_reserve = options.distribute == "reserve"
     cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
     W = torque_weights(options.weights, cell)
 
     def widened(problem: SampleProblem) -> SampleProblem:
         problem = problem.only(np.flatnonzero(np.any(problem.free, axis=(0, 2))))  # torques change no other row
-        widening = _least_widening(problem, c2, solver)[:, None]
+        widening = _least_widening(problem, c2)[:, None]
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
-        return reserved(problem, c2, solver) if by_reserve else problem
+        return reserved(problem, c2) if by_reserve else problem
 
     rows = options.rows(cell, motion)
-    return torques_by_blocks(rows, solver, c2, W, within=widened)
+    return torques_by_blocks(rows, c2, W, within=widened)
 
 
-def _least_widening(problem: SampleProblem, c2: float, solver: str) -> Array:
+def _least_widening(problem: SampleProblem, c2: float) -> Array:
     if problem.unknowns == 1:
         return np.zeros(problem.samples)
-    share = widening_at(problem, c2, solver, f"how far limits are passed at c² = {c2:g}")
+    share = widening_at(problem, c2)
     return np.where(share > INTERIOR, share * (1 + INTERIOR), share)
 
 

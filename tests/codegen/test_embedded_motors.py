@@ -15,7 +15,6 @@ from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 
 OK, INFEASIBLE, EMPTY, BAD_ARGUMENT = 0, 2, 3, 5
@@ -90,7 +89,7 @@ def test_ranges_of_random_motors_are_those_of_the_desktop(curved, seed):
     index = np.array([rng.integers(motion.samples)])
     sample = library.sample(motion, int(index[0]))
     for call, sharing in ((FREE, None), (EVEN, mrts.LoadSharing())):
-        wanted = motion_ranges(motion_rows(changed, motion, sharing), "kernel")
+        wanted = motion_ranges(motion_rows(changed, motion, sharing))
         status, found, rows = library.range(sample, call)
         low, high = wanted.lower[index[0]], wanted.upper[index[0]]
         assert (status == INFEASIBLE) == (not found.size) == (low > high)
@@ -101,7 +100,7 @@ def test_ranges_of_random_motors_are_those_of_the_desktop(curved, seed):
     if found.size:
         c2 = float(found[-1].mean())
         problem = build_sample_problem(motion_rows(changed, motion), samples=index)
-        x = distribute_torques(problem, c2, torque_weights(None, cell), DEFAULT_SOLVER)
+        x = distribute_torques(problem, c2, torque_weights(None, cell))
         status, torque, wrench = library.torques(sample, c2)
         assert status == OK
         assert np.abs(torque - problem.torque(x)[0]).max() <= SAME_TORQUE * limit.min()

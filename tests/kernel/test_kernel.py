@@ -11,7 +11,7 @@ from reference import highs_minimum
 
 import mrts
 from mrts.kernel.binding import address
-from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, default_programs
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, solve_batch
 from mrts.program.solvers import ConvexPrograms, optimality_error, solve_programs
 
 LINEAR_PROGRAMS, QUADRATIC_PROGRAMS, HARD = 34_000, 3_360, 20
@@ -19,11 +19,6 @@ SAMPLES = 84  # of one sequence of slowly changing programs
 UNBOUNDED = 1e9
 OBJECTIVE_TOLERANCE = RESIDUAL_TOLERANCE = COMBINATION_TOLERANCE = 1e-9
 SHAPES = [(arms, size) for size in (3, 6) for arms in (2, 3, 4)]
-
-
-@pytest.fixture(scope="module")
-def kernel():
-    return default_programs()
 
 
 def bounds(A):
@@ -43,7 +38,7 @@ def certificate_holds(A, lower, upper, y):
 
 
 @pytest.mark.parametrize(("arms", "size"), SHAPES)
-def test_linear_programs_of_cells_equal_highs(arms, size, kernel):
+def test_linear_programs_of_cells_equal_highs(arms, size):
     seen = Counter()
     rng = np.random.default_rng([arms, size])
     for _ in range(LINEAR_PROGRAMS // len(SHAPES) // SAMPLES // 2 + 1):
@@ -54,7 +49,7 @@ def test_linear_programs_of_cells_equal_highs(arms, size, kernel):
         for direction in (1.0, -1.0):
             g = np.zeros((SAMPLES, A.shape[2]))
             g[:, -1] = direction
-            x, dual, status = kernel.solve(None, g, A, low, high)
+            x, dual, status = solve_batch(None, g, A, low, high)
             good = status == OPTIMAL
             programs = ConvexPrograms(None, g, A, lower, upper, low[:, rows:], high[:, rows:])
             error = optimality_error(programs, x, dual[:, :rows], dual[:, rows:])
@@ -75,7 +70,7 @@ def test_linear_programs_of_cells_equal_highs(arms, size, kernel):
 
 
 @pytest.mark.parametrize(("k", "rows"), [(3, 12), (7, 24), (13, 48), (31, 120)])
-def test_hard_linear_programs_equal_highs(k, rows, kernel):
+def test_hard_linear_programs_equal_highs(k, rows):
     seen = Counter()
     for seed in range(HARD):
         for kind, (A, lower, upper, feasible) in hard_programs(np.random.default_rng([k, seed]), k, rows).items():
@@ -86,7 +81,7 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
                 programs = ConvexPrograms(None, g[None], A[None], lower[None], upper[None], low[None], high[None])
                 scaled, *_ = programs.scaled()
                 ends = (np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper]))
-                x, dual, status = kernel.solve(None, scaled.g, scaled.A, *ends)
+                x, dual, status = solve_batch(None, scaled.g, scaled.A, *ends)
                 of_scaled = (scaled.A, scaled.lower, scaled.upper, scaled.x_lower, scaled.x_upper)
                 theirs, value = highs_minimum(*(of[0] for of in of_scaled), direction)
                 ours = int(status[0])
@@ -109,17 +104,17 @@ def test_hard_linear_programs_equal_highs(k, rows, kernel):
 
 
 @pytest.mark.quick
-def test_limits_that_miss_each_other_by_less_than_rounding_are_marginal(kernel):
+def test_limits_that_miss_each_other_by_less_than_rounding_are_marginal():
     """x >= 1 + gap and x <= 1: a certificate from 1e-8 on, feasible below 1e-10, marginal between."""
     wanted = {1e-6: {INFEASIBLE}, 1e-8: {INFEASIBLE}, 1e-9: {INFEASIBLE, MARGINAL}, 1e-12: {OPTIMAL}, 0.0: {OPTIMAL}}
     for gap, statuses in wanted.items():
         A = np.array([[[1.0, 0.0], [1.0, 0.0]]])
         lower, upper = np.array([[1 + gap, -np.inf, -np.inf, 0.0]]), np.array([[np.inf, 1.0, np.inf, 5.0]])
-        _, _, status = kernel.solve(None, np.array([[0.0, 1.0]]), A, lower, upper)
+        _, _, status = solve_batch(None, np.array([[0.0, 1.0]]), A, lower, upper)
         assert int(status[0]) in statuses, gap
 
 
-def test_quadratic_programs_of_cells_equal_daqp(kernel):
+def test_quadratic_programs_of_cells_equal_daqp():
     rng, compared = np.random.default_rng(11), 0
     infeasible = 0
     for sequence in range(QUADRATIC_PROGRAMS // SAMPLES):
@@ -131,7 +126,7 @@ def test_quadratic_programs_of_cells_equal_daqp(kernel):
         H, g = np.swapaxes(T, 1, 2) @ T, np.einsum("nri,nr->ni", T, offset)
         free = np.full((SAMPLES, A.shape[2] - 1), np.inf)
         A, lower, upper = np.ascontiguousarray(A[:, :, :-1]), lower - given, upper - given
-        x, dual, status = kernel.solve(H, g, A, np.hstack([lower, -free]), np.hstack([upper, free]))
+        x, dual, status = solve_batch(H, g, A, np.hstack([lower, -free]), np.hstack([upper, free]))
         rows = A.shape[1]
         programs = ConvexPrograms(H, g, A, lower, upper, -free, free)
         good = status == OPTIMAL
@@ -155,7 +150,7 @@ def test_quadratic_programs_of_cells_equal_daqp(kernel):
     assert infeasible > QUADRATIC_PROGRAMS // 100
 
 
-def test_hard_quadratic_programs_pass_their_conditions(kernel):
+def test_hard_quadratic_programs_pass_their_conditions():
     solved = Counter()
     for k, rows in ((3, 12), (7, 24), (20, 80)):
         for seed in range(HARD):
@@ -167,7 +162,7 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
                 programs = ConvexPrograms(H, g, A[None], lower[None], upper[None], -free, free)
                 scaled, _, _ = programs.scaled()
                 ends = np.hstack([scaled.lower, -free]), np.hstack([scaled.upper, free])
-                x, dual, status = kernel.solve(scaled.H, scaled.g, scaled.A, *ends)
+                x, dual, status = solve_batch(scaled.H, scaled.g, scaled.A, *ends)
                 solved[kind, int(status[0])] += 1
                 if status[0] == OPTIMAL:
                     error = optimality_error(scaled, x, dual[:, :rows], dual[:, rows:])
@@ -193,13 +188,13 @@ def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
 
 
 @pytest.mark.quick
-def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
+def test_what_is_no_number_gets_no_answer(planar_cell):
     A = np.ones((1, 3, 2))
     A[0, 1, 0] = np.nan
     low, high = np.array([[-1.0, -1, -1, -1, 0]]), np.array([[1.0, 1, 1, 1, 1]])
-    _, _, status = kernel.solve(None, np.array([[0.0, 1]]), A, low, high)
+    _, _, status = solve_batch(None, np.array([[0.0, 1]]), A, low, high)
     assert status[0] != OPTIMAL
-    _, _, status = kernel.solve(np.eye(2)[None], np.array([[-5.0, 1]]), A, low, high)
+    _, _, status = solve_batch(np.eye(2)[None], np.array([[-5.0, 1]]), A, low, high)
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="must be <= 1e"):
         planar_cell.with_mass(1.7e308)

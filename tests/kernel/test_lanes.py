@@ -4,6 +4,8 @@ import ctypes
 import platform
 import shutil
 import subprocess
+from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -11,15 +13,15 @@ from conftest import DATA, ROOT
 from shipped_cells import sampled, shipped_motion, sizes_of
 
 import mrts
-from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
-from mrts.kernel.c_text import cell_source
-from mrts.kernel.cell_library import CellLibrary, range_record, sparse_limits
+from mrts.kernel import programs
+from mrts.kernel.binding import bind
+from mrts.kernel.c_text import CELL_FILES, cell_source
+from mrts.kernel.cell_library import CellLibrary, range_record
 from mrts.kernel.compiler import FLAGS
-from mrts.kernel.programs import OPTIMAL, Programs
+from mrts.kernel.programs import OPTIMAL, projections
 from mrts.kernel.tracking import closure_sizes
-from mrts.limits import limit_rows
-from mrts.program.motion_rows import motion_rows
+from mrts.program.motion_rows import MotorTerms, motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import TORQUE_WIDENING
 from mrts.timing.retimed_motion import path_places
@@ -66,34 +68,24 @@ def answers(request, tmp_path_factory):
     (folder / "cell.c").write_text(cell_source(manifest, generated.read_text(encoding="utf-8")), encoding="utf-8")
     cell = mrts.load_cell(path / "cell.yaml")
     motion = mrts.follow_object(cell, sampled(shipped_motion(request.param, samples=SAMPLES)))
-    rows = limit_rows(cell.without_velocity_limits(), motion)
-    matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
-    limits = sparse_limits(matrix, rows.lower, rows.upper, [name.unit == "N m" for name in rows.names])
-    rng = np.random.default_rng(0)
-    size = np.where(np.isfinite(rows.upper), np.abs(rows.upper), 0)
-    terms = {
-        "square": rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
-        "offset": rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
-        "margin": rng.random((SAMPLES, len(matrix))) * size * 1e-3,
-        "torque_square": rng.normal(size=(SAMPLES, motion.q.shape[1])),
-        "torque_offset": rng.normal(size=(SAMPLES, motion.q.shape[1])),
-    }
-    all_inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
+    plain = motion_rows(cell.without_velocity_limits(), motion)
+    rng, units, joints = np.random.default_rng(0), plain.given.units, motion.q.shape
+    square, offset = rng.normal(size=(2, SAMPLES, len(units))) * units * 1e-3
+    of_motors = {name: rng.normal(size=joints) for name in ("square", "rate", "dry")} | {"speed": None}
+    motors = MotorTerms(turning=1e-3 * rng.random(joints) * cell.stacked("torque_upper"), **of_motors)
+    more = replace(plain, rows=replace(plain.rows, square=square, offset=offset), motors=motors)
     W = rng.uniform(0.5, 2.0, size=motion.q.shape[1])
     all_c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
-    units = np.where(size > 0, size, 1.0)
-
-    problem = build_sample_problem(motion_rows(cell.without_velocity_limits(), motion), varying=True)
+    problem = build_sample_problem(plain, varying=True)
 
     def found(library, at):
-        count, c2 = len(at), all_c2[at]
-        inputs = {name: value[at] if value.ndim > 1 else value for name, value in all_inputs.items()}
-        known = {}
-        for kind, added in (("plain", {}), ("more", {name: of[at] for name, of in terms.items()})):
+        count, c2, known = len(at), all_c2[at], {}
+        vars(plain.cell.functions)["motion_library"] = library
+        for kind, rows in (("plain", plain), ("more", more)):
             ranges, widening = np.zeros(count, dtype=range_record(library.unknowns)), np.zeros(count)
             status = np.zeros(count, dtype=np.uint8)
-            library.over_samples("mrts_ranges", count, inputs, limits, added, [np.full(count, 1e300)], [ranges])
-            library.over_samples("mrts_widenings", count, inputs, limits, added, [c2], [widening, status], (units,))
+            rows.over_samples("mrts_ranges", [np.full(count, 1e300)], [ranges], samples=at)
+            rows.over_samples("mrts_widenings", [c2], [widening, status], (units,), speed=1.0, samples=at)
             known |= {
                 f"{kind} {name}": ranges[of]
                 for name, of in (("upper", "end"), ("effect", "effect"), ("status", "status"))
@@ -101,17 +93,17 @@ def answers(request, tmp_path_factory):
             known[f"{kind} widening"] = widening
             for weights, W_all in (("diagonal", np.eye(len(W))), ("full", np.diag(W) + 0.1 * np.outer(W, W))):
                 torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))
-                status, asked = np.zeros(count, dtype=np.uint8), [np.full(count, 0.5)]
-                of_torques, for_all = [torque, wrench, status], (1, W_all, TORQUE_WIDENING)
-                library.over_samples("mrts_torques", count, inputs, limits, added, asked, of_torques, for_all)
+                status, half = np.zeros(count, dtype=np.uint8), np.full(count, 0.5)
+                for_all = 1, W_all, TORQUE_WIDENING
+                rows.over_samples("mrts_torques", [half], [torque, wrench, status], for_all, speed=0.5**0.5, samples=at)
                 known |= {f"{kind} {weights} torque": torque, f"{kind} {weights} status": status}
         of_path = problem.at(at)
         effect = np.max(np.abs(of_path.A), axis=1)
         scale = np.divide(1.0, effect, out=np.zeros_like(effect), where=effect > 0)
         far = np.full((count, 2), 1e5) * (scale[:, -2:] > 0)
-        number, corners, known["projected status"] = Programs(library.opened).projections(
-            of_path.A, of_path.lower, of_path.upper, scale, (np.column_stack([-far[:, 0], 0 * far[:, 1]]), far)
-        )
+        given = of_path.A, of_path.lower, of_path.upper, scale, (np.column_stack([-far[:, 0], 0 * far[:, 1]]), far)
+        with patch.object(programs, "_opened", [library.opened]):
+            number, corners, known["projected status"] = projections(*given)
         known["reach"] = np.array(reaches(number, corners))
         return known
 
@@ -120,13 +112,15 @@ def answers(request, tmp_path_factory):
         rng_of_speeds = np.random.default_rng(2)
         speeds = rng_of_speeds.random(SAMPLES) + 1, rng_of_speeds.random((SAMPLES - 1, 2))
         places = path_places(library, cell, motion, speeds, np.arange(SAMPLES - 1))
-        closed = closure_sizes(library, all_inputs, motion.object.position + 1e-3, cell.geometry, cell.wrench_rows)
+        closed = closure_sizes(
+            library, plain.inputs(None), motion.object.position + 1e-3, cell.geometry, cell.wrench_rows
+        )
         return [*places, closed]
 
     def compiled(*flags):
         library = folder / f"lib{len(list(folder.iterdir()))}.so"
         subprocess.run([GCC, *FLAGS, *flags, folder / "cell.c", "-o", library, "-lm"], check=True)
-        return CellLibrary(manifest, library)
+        return CellLibrary(manifest, bind(ctypes.CDLL(str(library)), CELL_FILES))
 
     return compiled, found, of_all
 

@@ -14,10 +14,10 @@ HOSTILE = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-300, 1e-320, 5e-324, 0.0)
 RUN = """
 import sys
 import numpy as np
-from mrts.kernel.programs import default_programs
+from mrts.kernel.programs import solve_batch
 programs = [array for _, array in np.load(sys.argv[1]).items()]
 for program in range(len(programs[0])):
-    default_programs().solve(None, *(array[program][None] for array in programs))
+    solve_batch(None, *(array[program][None] for array in programs))
 """
 
 
@@ -38,25 +38,24 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import numpy as np
 from random_programs import cell_programs, hard_programs
-from mrts.kernel.programs import default_programs
-kernel = default_programs()
+from mrts.kernel import programs
 rng = np.random.default_rng(0)
 for arms, size in ((2, 3), (2, 6), (3, 6)):
     A, lower, upper = cell_programs(rng, 200, arms, size)
     free = np.full((200, A.shape[2]), np.inf)
     ends = np.hstack([lower, -free]), np.hstack([upper, free])
     ends[0][:, -1], ends[1][:, -1] = 0, 1e9
-    kernel.solve(None, np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
-    kernel.solve(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
+    programs.solve_batch(None, np.eye(A.shape[2])[-1] * np.ones((200, 1)), A, *ends)
+    programs.solve_batch(np.tile(np.eye(A.shape[2]), (200, 1, 1)), np.ones((200, A.shape[2])), A, *ends)
     bound = np.full((200, 2), 1e5)
-    kernel.projections(A, lower, upper, np.ones_like(A[:, 0]), (-bound, bound))
+    programs.projections(A, lower, upper, np.ones_like(A[:, 0]), (-bound, bound))
 for k, rows in ((1, 3), (3, 12), (31, 120)):
     for A, lower, upper, _ in hard_programs(rng, max(k, 3), max(rows, 12)).values():
         free = np.full(A.shape[1], np.inf)
         ends = np.concatenate([lower, -free])[None], np.concatenate([upper, free])[None]
-        kernel.solve(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
+        programs.solve_batch(np.eye(A.shape[1])[None], np.ones((1, A.shape[1])), A[None], *ends)
         ends[0][0, -1], ends[1][0, -1] = 0, 1e9
-        kernel.solve(None, np.eye(A.shape[1])[-1:], A[None], *ends)
+        programs.solve_batch(None, np.eye(A.shape[1])[-1:], A[None], *ends)
 """
 
 SANITIZED_SMOOTH = """

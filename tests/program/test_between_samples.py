@@ -94,12 +94,12 @@ def dense_excess(cell, motion, c2, loads=(None,)):
     dense = coordinate(cell, motion)
     worst = 0.0
     for load in loads:
-        found = motion_ranges(motion_rows(cell, dense), "kernel", load)
+        found = motion_ranges(motion_rows(cell, dense), load)
         beyond = np.flatnonzero((found.upper < c2) | (found.lower > c2))
         if len(beyond):
             several = beyond[np.argsort(found.upper[beyond])][:40]
-            problem = build_sample_problem(motion_rows(cell, dense), load=load, samples=several)
-            worst = max(worst, float(np.max(widening_at(problem, c2, "qpsol:qpoases", "the dense excess"))))
+            problem = build_sample_problem(motion_rows(cell, dense, solver="qpsol:qpoases"), load=load, samples=several)
+            worst = max(worst, float(np.max(widening_at(problem, c2))))
     return worst
 
 

@@ -1,5 +1,7 @@
 """The rows that set an end of the range: all of them, whichever solver found it and in whichever form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from given_ranges import ranges_of
@@ -46,7 +48,7 @@ def problem_of(A, lower, upper):
 
 def binding_at_the_top(problem):
     """Rows with a multiplier at the largest c², each with its side, 1 at the upper limit; None if there is no end."""
-    found = ends_of_problem(problem, "qpsol:qpoases", np.inf)
+    found = ends_of_problem(replace(problem, solver="qpsol:qpoases"), np.inf)
     if found.undecided.size or not np.isfinite(found.upper[0]):
         return None
     return [(row, np.sign(found.duals[1, 0, row])) for row in np.flatnonzero(found.duals[1, 0])]
@@ -101,7 +103,7 @@ def test_all_rows_with_a_multiplier_in_some_dual_solution_are_named_for_every_so
             continue
         named, by_solver = set(), set()
         for solver in SOLVERS:
-            found = sample_ranges.sample_ranges(problem, np.zeros(1), solver)
+            found = sample_ranges.sample_ranges(replace(problem, solver=solver), np.zeros(1))
             rows = rows_at_end(problem, float(found.upper[0]), "upper")
             assert set(found.binding(0, "upper")) <= set(rows)
             named.add(rows)

@@ -46,12 +46,12 @@ def test_the_widening_is_the_one_of_highs(name, how):
     rng = np.random.default_rng([5, len(how), len(name)])
     given, motion = followed(name)
     cell = changed(given, how, rng)
-    ranges = motion_ranges(motion_rows(cell, motion), "kernel")
+    ranges = motion_ranges(motion_rows(cell, motion))
     most = float(np.min(ranges.upper, where=ranges.upper > 0, initial=100.0))
     c2 = most * rng.choice([0.3, 0.999, 1.0, 1.001, 1.5, 4.0], size=motion.samples)
     c2[: motion.samples // 3] = most
     rows = motion_rows(cell, motion)
-    theirs = widening_at(build_sample_problem(rows), c2[:, None], "qpsol:qpoases", "the widening")
+    theirs = widening_at(replace(build_sample_problem(rows), solver="qpsol:qpoases"), c2[:, None])
     found = motion_widening(rows, c2)
     np.testing.assert_allclose(found, theirs, atol=AGREES, rtol=AGREES)
     assert np.max(theirs) > 0.1

@@ -11,7 +11,6 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import SampleStatus
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques
 
 LIMIT_TOLERANCE = 3e-9  # the quadratic program widens limits by 1e-9 of their size plus 1e-9
@@ -39,7 +38,7 @@ def feasible_problem(case):
     """Its motion, sample problem and ranges, if at least two samples are feasible."""
     motion = mrts.follow_object(case.cell, case.motion)
     problem = build_sample_problem(motion_rows(case.cell, motion))
-    ranges = sample_ranges(problem, case.motion.time, DEFAULT_SOLVER)
+    ranges = sample_ranges(problem, case.motion.time)
     return (motion, problem, ranges) if len(feasible_samples(ranges)) > 1 else None
 
 
@@ -55,7 +54,7 @@ def test_appendix_a_every_speed_between_the_ends_is_feasible_and_c_torques_satis
         for share in [0.0, 1.0, *rng.uniform(0, 1, 12)]:
             c2 = float(ranges.lower[k] + share * (ranges.upper[k] - ranges.lower[k]))
             one = problem.at(np.array([k]))
-            x = distribute_torques(one, c2, np.eye(len(cell.joint_names)), DEFAULT_SOLVER)
+            x = distribute_torques(one, c2, np.eye(len(cell.joint_names)))
             torque, wrench = one.torque(x)[0], one.wrench(x)[0]
             assert limit_violation(limits.at(np.array([k])), torque, wrench, c2) <= LIMIT_TOLERANCE
             scale = 1 + np.max(np.abs(torque)) + np.max(np.abs(wrench))

@@ -14,7 +14,6 @@ from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.reserve import least_shares
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import motion_torques
 
 SHARE_TOLERANCE = 1e-8  # of a limit; HiGHS is asked for 1e-10
@@ -87,10 +86,8 @@ def highs_torque_cost(reference, terms, c2, share):
 def test_both_stages_equal_highs(seed, tmp_path):
     cell, case, reference, c2 = random_case(seed, tmp_path)
     motion = mrts.follow_object(cell, case.motion)
-    shares = 1 + least_shares(build_sample_problem(motion_rows(cell, motion)), c2, DEFAULT_SOLVER)[0]
-    torque, wrench = motion_torques(
-        motion_rows(cell, motion), DEFAULT_SOLVER, c2, np.eye(motion.q.shape[1]), distribute="reserve"
-    )
+    shares = 1 + least_shares(build_sample_problem(motion_rows(cell, motion)), c2)[0]
+    torque, wrench = motion_torques(motion_rows(cell, motion), c2, np.eye(motion.q.shape[1]), distribute="reserve")
     rows = limit_rows(cell, motion)
     used = np.max(rows.share(rows.value(torque, wrench, 0.0, np.sqrt(c2))), axis=1)
     _, samples = reference.object_motion(case.motion_file)

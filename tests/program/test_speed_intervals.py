@@ -109,10 +109,10 @@ def checked_ends(problem, found, sample):
         for end, outward in ((low, -1), (high, 1)):
             if not np.isfinite(end):
                 continue
-            assert widening_at(one, end**2, "kernel", "the end")[0] < 2e-9
+            assert widening_at(one, end**2)[0] < 2e-9
             outside = (end * (1 + outward * OUTSIDE)) ** 2
             if end > 0 and outside < cap:
-                assert widening_at(one, outside, "kernel", "outside")[0] > 1e-9
+                assert widening_at(one, outside)[0] > 1e-9
     for side in ("lower", "upper"):
         end = getattr(found, side)[sample]
         assert not np.isfinite(end) or found.binding(sample, side) or sample in (0, len(found.time) - 1)
@@ -124,20 +124,20 @@ def checked_ends(problem, found, sample):
 )
 def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
     _, cell, motion, _ = random_case(seed, tmp_path)
-    fast = motion_ranges(motion_rows(cell, motion), "kernel")
+    fast = motion_ranges(motion_rows(cell, motion))
     problem = build_sample_problem(motion_rows(cell, motion))
     solvers = SOLVERS if seed == 1 else SOLVERS[:2]
-    others = {name: motion_ranges(motion_rows(cell, motion), name) for name in solvers}
+    others = {name: motion_ranges(motion_rows(cell, motion, solver=name)) for name in solvers}
     size = len(cell.wrench_components)
     if all(len(robot.joints) == size for robot in cell.robots):
-        others["torque form"] = motion_ranges(motion_rows(cell, motion, None, "torque"), "kernel")
+        others["torque form"] = motion_ranges(motion_rows(cell, motion, None, "torque"))
     for sample in range(motion.samples):
         ours = speeds(fast, sample)
         for name, other in others.items():
             np.testing.assert_allclose(speeds(other, sample), ours, rtol=SAME, atol=1e-9, err_msg=f"{name} {sample}")
         checked_ends(problem, fast, sample)
     assert all(found.status == fast.status for found in others.values())
-    lowest = [motion_ranges(motion_rows(cell, motion), name, high=0.0) for name in ("kernel", solvers[0])]
+    lowest = [motion_ranges(motion_rows(cell, motion, solver=name), high=0.0) for name in ("kernel", solvers[0])]
     for sample in range(motion.samples):
         np.testing.assert_allclose(*(speeds(found, sample) for found in lowest), rtol=SAME, atol=1e-9)
 
@@ -147,7 +147,7 @@ def test_samples_that_stop_the_kernel_have_their_range(seed, dual_ur5):
     """Degenerate programs of motored cells, near rest most of them: in other scales they are decided."""
     motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     cell = motored(np.random.default_rng(seed), dual_ur5, motion)
-    found, problem = motion_ranges(motion_rows(cell, motion), "kernel"), build_sample_problem(motion_rows(cell, motion))
+    found, problem = motion_ranges(motion_rows(cell, motion)), build_sample_problem(motion_rows(cell, motion))
     for sample in (1, 2, 3, 60):
         checked_ends(problem, found, sample)
 
@@ -158,13 +158,13 @@ def test_a_sample_without_any_speed_names_the_closest_and_what_conflicts_there(t
     for seed in range(16):
         _, cell, motion, _ = random_case(seed, tmp_path / str(seed))
         problem = build_sample_problem(motion_rows(cell, motion))
-        for conflict in sample_ranges(problem, motion.object.time, "kernel").conflicts[:2]:
+        for conflict in sample_ranges(problem, motion.object.time).conflicts[:2]:
             one = problem.at(np.array([conflict.sample]))
             seen["found"] += 1
-            there = widening_at(one, conflict.c2, "kernel", "the closest")[0]
+            there = widening_at(one, conflict.c2)[0]
             assert there == pytest.approx(conflict.widening, rel=1e-6)
             near = conflict.c2 * np.linspace(0.5, 1.5, 11)
-            assert min(widening_at(one, c2, "kernel", "near")[0] for c2 in near) >= there * (1 - 1e-6)
+            assert min(widening_at(one, c2)[0] for c2 in near) >= there * (1 - 1e-6)
             assert f"c² = {conflict.c2:.4g}" in str(conflict)
             seen["moving"] += conflict.c2 > 1e-6
     assert seen["found"] > 4
@@ -179,4 +179,4 @@ def test_the_closest_speed_is_found_in_a_narrow_dip_near_rest(planar_cell, lift)
     square, speed, upper = np.zeros((1, rows, 1)), np.zeros((1, rows)), np.full((1, rows), np.inf)
     square[0, 2], speed[0, :2], upper[0, :3] = 0.5, (-0.0005, 1.0), (-1.055, -1.0529, 1.0)
     dip = replace(problem, A=square, speed=speed, lower=np.full((1, rows), -np.inf), upper=upper)
-    assert closest_speed(dip, "kernel") == pytest.approx(0.0021 / 1.0005, rel=1e-6)
+    assert closest_speed(dip) == pytest.approx(0.0021 / 1.0005, rel=1e-6)

@@ -55,8 +55,10 @@ def at_sample(motion, sample, count):
 
 def ends_of_loads(cell, motion, sample, loads, sharing=None):
     repeated = at_sample(motion, sample, max(2, len(loads)))
-    problem = build_sample_problem(motion_rows(cell, repeated, sharing), load=np.resize(loads, (len(repeated.q), 10)))
-    return sample_ranges(problem, repeated.object.time, "qpsol:qpoases")
+    problem = build_sample_problem(
+        motion_rows(cell, repeated, sharing, solver="qpsol:qpoases"), load=np.resize(loads, (len(repeated.q), 10))
+    )
+    return sample_ranges(problem, repeated.object.time)
 
 
 def guaranteed_with_an_end(pair):

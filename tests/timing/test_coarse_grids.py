@@ -14,7 +14,6 @@ from mrts.motion.velocity_profile import PROFILES
 from mrts.program.between_samples import BETWEEN
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.timing.fastest_profile import segment_times
 from mrts.timing.retimed_motion import at_segment_ends
 
@@ -63,7 +62,7 @@ def test_limits_hold_at_both_ends_of_every_segment(arm, seed):
     (part,) = found.pieces
     assert np.any(part.profile.rise)
     for motion in at_segment_ends(part):
-        assert np.min(motion_ranges(motion_rows(path.cell, motion), DEFAULT_SOLVER).upper) >= 1 - KEPT
+        assert np.min(motion_ranges(motion_rows(path.cell, motion)).upper) >= 1 - KEPT
 
 
 @pytest.mark.parametrize("seed", range(3))

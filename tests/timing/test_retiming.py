@@ -111,7 +111,7 @@ def test_every_load_of_a_box_follows_the_guaranteed_profile(motors, kept, planar
     assert len(found.loads) == 4  # nothing turns, so izz has no effect
     assert found.duration > mrts.retime(cell, lift, load="nominal").duration
     for point in cell.load_box.draw(np.random.default_rng(8), 100):
-        samples = motion_ranges(motion_rows(cell, found.retimed.motion), "kernel", point.load)
+        samples = motion_ranges(motion_rows(cell, found.retimed.motion), point.load)
         assert np.max(samples.lower) <= 1 + kept
         assert np.min(samples.upper) >= 1 - kept
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from random_programs import cell_programs
 
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, projections
 
 ARMS = ((2, 3), (3, 3), (2, 6), (3, 6))
 DIRECTIONS = 24
@@ -54,12 +54,11 @@ def directions():
 @pytest.mark.parametrize("seed", range(4))
 def test_a_projection_does_not_depend_on_the_one_before(arms, size, seed):
     given = along_a_path(np.random.default_rng([18, arms, size, seed]), 300, arms, size, alone=seed % 2 == 1)
-    kernel = default_programs()
-    number, corners, status = kernel.projections(*given)
+    number, corners, status = projections(*given)
     assert np.all((status == OPTIMAL) == (number > 0))
     compared = 0
     for sample, polygon in enumerate(polygons(number, corners)):
-        cold_number, cold, cold_status = kernel.projections(*at(given, [sample]))
+        cold_number, cold, cold_status = projections(*at(given, [sample]))
         assert (cold_status[0] == OPTIMAL) == (status[sample] == OPTIMAL)
         if cold_number[0]:
             ours, theirs = (np.max(points @ directions(), axis=0) for points in (polygon, cold))
@@ -72,7 +71,7 @@ def test_a_projection_does_not_depend_on_the_one_before(arms, size, seed):
 def test_a_sample_without_a_projection_leaves_those_beside_it_as_they_are():
     """No number where a row is said to bound one unknown, and sides that cross, each in the middle of four samples."""
     given = along_a_path(np.random.default_rng(184), 1000, 2, 6, alone=True)
-    number, corners, status = default_programs().projections(*given)
+    number, corners, status = projections(*given)
     assert np.all(status == OPTIMAL)
     A, lower, upper, *rest = given
     row = np.flatnonzero(bounds_one(A))[0]
@@ -82,7 +81,7 @@ def test_a_sample_without_a_projection_leaves_those_beside_it_as_they_are():
     A, upper = A.copy(), upper.copy()
     A[no_number, row, unknown] = np.nan
     upper[crossed, row] = lower[crossed, row] - 1
-    found, places, answers = default_programs().projections(A, lower, upper, *rest)
+    found, places, answers = projections(A, lower, upper, *rest)
     np.testing.assert_array_equal(np.flatnonzero(found == 0), bad)
     assert np.all(answers[crossed] == INFEASIBLE)
     assert not np.any(np.isin(answers[no_number], [OPTIMAL, INFEASIBLE]))
@@ -104,7 +103,7 @@ def test_a_projection_without_area_is_two_corners():
     lower[:, 0] = upper[:, 0] = 0.0
     A[:, 1:4, :3] = np.eye(3)
     scale, bound = np.ones((count, unknowns)), np.full((count, 2), 3.0)
-    number, corners, status = default_programs().projections(A, lower, upper, scale, (-bound, bound))
+    number, corners, status = projections(A, lower, upper, scale, (-bound, bound))
     assert np.all(status == OPTIMAL)
     assert np.all(number == 2)
     assert np.all(np.abs(np.sum(corners * np.repeat(A[:, 0, 3:], 2, axis=0), axis=1)) < 1e-9)
