@@ -23,8 +23,8 @@ from mrts.base.regular_file import is_folder
 from mrts.base.rigid_transform import in_one_place
 from mrts.cell.functions import CellFunctions, compiled_functions
 from mrts.cell.generation import (
-    described_in_cache,
     described_model,
+    generated_chains,
     generated_in_cache,
     is_generated,
     motion_functions_of,
@@ -88,7 +88,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         """
         check_type("folder", folder, str, PathLike, NoneType)
         here = (Path() if folder is None else as_path("folder", folder)).absolute()
-        return cell_of(compiled_functions(*described_in_cache(described_model(description, here))), here)
+        return cell_of(compiled_functions(*generated_chains(described_model(description, here))), here)
 
     def to_yaml(self, path: Path | str | None = None) -> str:
         """The text of a cell file that reads back to an equal cell: it was read again before it is handed out.

@@ -182,16 +182,12 @@ def _sides(
     where: Path | str, key: str, value: Bounds | list[float | None], names: Sequence[str]
 ) -> tuple[Array, Array]:
     if isinstance(value, Bounds):
-        lower, upper = limit_sides(where, key, value.lower, value.upper, names, meet=key.endswith("wrench"))
+        lower, upper = limit_sides(where, key, value.lower, value.upper, names)
     else:
         upper = one_each(where, key, value, names, np.inf)
         lower = -upper
     if key.endswith("torque") and not np.all(np.isfinite([lower, upper])):
         raise InputError(where, "must be numbers: each motor has a largest torque.", key=key)
-    if key.endswith("acceleration") and np.any((lower >= 0) | (upper <= 0)):
-        joint = int(np.argmax((lower >= 0) | (upper <= 0)))
-        rule = f"those of joint '{names[joint]}' must be below 0 and above: it also stands still."
-        raise InputError(where, rule, key=key, value=[float(lower[joint]), float(upper[joint])])
     return lower, upper
 
 

@@ -51,11 +51,12 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     """
     described = _described(path)
     manifest = _manifest_as_made(path, described)
-    if manifest is None:
-        manifest = _manifest(cell_model(path))
-        if _described(path) == described and is_as_made(path, manifest.cell):  # else a file was written meanwhile
-            write_text_atomically(described, manifest.to_json(), private=True)
-    return manifest, _source_in_cache(manifest)
+    if manifest is not None:
+        return manifest, _source_in_cache(manifest)
+    manifest, source = generated_chains(cell_model(path))
+    if _described(path) == described and is_as_made(path, manifest.cell):  # else a file was written meanwhile
+        write_text_atomically(described, manifest.to_json(), private=True)
+    return manifest, source
 
 
 def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
@@ -64,12 +65,6 @@ def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     if manifest is None or not is_as_made(path, manifest.cell):
         return None
     return manifest if _is_source(_source_in_cache(manifest), manifest) else None
-
-
-def described_in_cache(model: Any) -> tuple[CellManifest, Path]:
-    """Manifest and C file of a cell from `described_model`; chains are cached."""
-    manifest = _manifest(model)
-    return manifest, _source_in_cache(manifest)
 
 
 def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
@@ -82,7 +77,8 @@ def described_model(description: object, folder: Path, where: str = "cell descri
     return build_cell_model(Path(where), given, folder)
 
 
-def _manifest(cell: Any) -> CellManifest:
+def generated_chains(cell: Any) -> tuple[CellManifest, Path]:
+    """Manifest and C file of a cell with its URDFs: what is generated of its chains is cached."""
     from mrts_codegen.cell_model import cell_manifest  # noqa: PLC0415 (build time, on demand)
 
     folder, chains = _chains_in_cache(cell)
@@ -91,7 +87,7 @@ def _manifest(cell: Any) -> CellManifest:
 
         chains, c_source, _ = generate_chains(cell, CACHED_STEM)
         write_generated(folder, chains, c_source, private=True)
-    return cell_manifest(cell, chains)
+    return cell_manifest(cell, chains), folder / chains.source
 
 
 def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
@@ -267,14 +263,12 @@ def chain_of(cell: CellRecord, robot: Robot, folder: Path) -> Any:
         InputError: If its URDF is not there as it was.
     """
     from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
 
-    reference, where, source = FileReference(robot.source.urdf), folder / CELL_FILE, robot.source
-    path, content = reference.path(where, folder), reference.content(where, folder)
-    if hashlib.sha256(content).hexdigest() != source.sha256:
+    where, source = folder / CELL_FILE, robot.source
+    path, urdf = read_urdf(where, folder, source.urdf)
+    if FileReference(source.urdf).sha256(where, folder) != source.sha256:
         raise InputError(path, "is another file than the cell was made from. Read the cell again.")
     lenient = any(remark.code == NEAREST_INERTIA for remark in cell.remarks)
-    urdf = parse_urdf(path, content)
     return build_robot_model(path, urdf, source.base_link, source.tip_link, robot.held, lenient=lenient)
 
 

@@ -2,7 +2,7 @@
 """What a hand can exert on the object: contacts, which are named two-sided rows over its wrench, by their kinds."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from inspect import Parameter, signature
 from itertools import product
@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, joined
 from mrts.base.formats.record import (
     Coordinate,
     Finite,
@@ -211,24 +211,12 @@ def one_each(
     return np.array([unbounded if value is None else value for value in values], dtype=np.float64)
 
 
-def limit_sides(
-    where: Path | str, key: str, lower: Side, upper: Side, names: Sequence[str], *, meet: bool = False
-) -> tuple[Array, Array]:
-    """Lower and upper limits of named values, each Shape (n,), infinite where there is none; some `meet` in a number.
-
-    `where` and `key` are for messages.
-    """
-    least, most = (
-        one_each(where, f"{key}.{side}".lstrip("."), [None] * len(names) if given is None else given, names, unbounded)
+def limit_sides(where: Path | str, key: str, lower: Side, upper: Side, names: Sequence[str]) -> Iterator[Array]:
+    """Lower and upper limits of named values, each Shape (n,), infinite where there is none."""
+    return (
+        one_each(where, joined(key, side), [None] * len(names) if given is None else given, names, unbounded)
         for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf))
     )
-    wrong = least > most if meet else least >= most
-    if np.any(wrong):
-        place = int(np.argmax(wrong))
-        relation = "at most" if meet else "below"
-        rule = f"the lower limit of {names[place]} must be {relation} the upper one, {most[place]:g}."
-        raise InputError(where, rule, key=f"{key}.lower[{place}]".lstrip("."), value=float(least[place]))
-    return least, most
 
 
 def _box(
@@ -239,7 +227,7 @@ def _box(
     frame: Frame = "tip",  # noqa: ARG001 (the components are those of its axes)
 ) -> dict[str, Any]:
     """Two-sided limits lower <= F <= upper, component by component; those without a limit make no row."""
-    least, most = limit_sides("contact", "", lower, upper, components, meet=True)
+    least, most = limit_sides("contact", "", lower, upper, components)
     limited = np.flatnonzero(np.isfinite(least) | np.isfinite(most)).tolist()
     if not limited:
         raise InputError("contact", "must limit something: give numbers in lower or upper, or leave the box out.")

@@ -131,9 +131,13 @@ class Robot(MadeAgain):
             object.__setattr__(self, name, _checked_pose(where, name, getattr(self, name)))
         for kind in ("position", "acceleration", "torque", "wrench"):
             lower, upper = getattr(self, f"{kind}_lower"), getattr(self, f"{kind}_upper")
-            if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
-                rule = f"must be at most {kind}_upper, and leave something between the two."
-                raise InputError(where, rule, key=f"{kind}_lower", value=lower.tolist())
+            wrong = (lower > upper) | (lower == np.inf) | (upper == -np.inf)
+            if kind == "torque":
+                wrong |= lower == upper
+            if np.any(wrong):
+                at = int(np.argmax(wrong))
+                rule = f"must be at most {kind}_upper, {upper[at]:g}, and leave something between the two."
+                raise InputError(where, rule, key=f"{kind}_lower[{at}]", value=float(lower[at]))
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")
         self.motors.check_torques(where, self.torque_lower, self.torque_upper, self.joints)

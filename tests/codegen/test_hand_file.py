@@ -57,7 +57,7 @@ WRONG = [
     ([{"pad": PAD, "box": {"upper": [1] * 6}}], "[0]", "is one of box, pad, suction, gripper, rows"),
     ([{"box": {}}], "[0].box", "must limit something"),
     ([{"box": {"upper": [1, 2, 3]}}], "[0].box.upper", "must have 6 values (fx, fy, fz, nx, ny, nz)"),
-    ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower[0] = 2", "of fx must be at most the upper one, 1"),
+    ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower, upper = [2.0, 1.0]", "row 'fx' must"),
     ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be 'tip', 'object' or 'base'"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0]], "upper": [1]}}], "[0].rows.A", "each of fx, fy"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0, 0]], "upper": [1, 2]}}], "[0].rows.A", "2 rows, as many as upper"),
