@@ -65,7 +65,7 @@ def of_factor(found: Any) -> Answer:
     told["conflicts"] = [of_conflict(one) for one in samples.conflicts]
     for side in ("lower", "upper"):
         end = getattr(found.range, side)
-        if end is None:
+        if found.status.value == "infeasible":
             continue
         told["numbers"][f"c² {side}"] = end.c2
         alike = np.isclose(getattr(samples, side), end.c2, rtol=TIE, atol=0) & (end.time is not None)
@@ -73,7 +73,8 @@ def of_factor(found: Any) -> Answer:
         told[side] = {"time": end.time, "near": near, "rows": rows_told(end.rows), "load": str(end.load)}
     if done is not None:
         told["numbers"] |= {"c² chosen": done.c2, "duration": done.duration}
-        told["at limit"] = [name_told(use.name) for use in found.limit_uses if use.share >= 1 - TIE]
+        uses = found.limit_uses if hasattr(found, "limit_uses") else done.limit_uses  # those of the state before
+        told["at limit"] = [name_told(use.name) for use in uses if use.share >= 1 - TIE]
         told["arrays"] = of_plan(found)
     return told
 

@@ -14,9 +14,8 @@ import numpy as np
 import mrts
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
-from mrts.scaling.loads import range_at_samples
 from mrts.scaling.options import Options
-from mrts.scaling.range import intersect
+from mrts.scaling.range import intersect, range_at_samples
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import MOTIONS, shipped

@@ -120,9 +120,8 @@ def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **give
 
             search = least_reserve(lambda reserve: solved(limited.with_reserve(reserve)))
         found = (search and search.found) or solved(limited)
-    except SelectionError as error:
-        if error.result is not None:  # the range that c² is not in
-            Outputs(error.result, json).answer((), INFEASIBLE)
+    except SelectionError as error:  # with the range that c² is not in
+        Outputs(error.result, json).answer((), INFEASIBLE)
         raise
     if "what_if" in how:
         with working("changing the cell") as progress:

@@ -108,7 +108,6 @@ def run(
         source = _saved(cell) if saved else _start(cell, motion, given)
         return _serve(source, host, port, opens=not no_open)
     from mrts.motion.motion_file import load_motion
-    from mrts.scaling.limit_use import limited_rates
     from mrts.scene.renderer import Clip, require_renderer
 
     if video is not None and video.suffix.lower() == ".mp4":
@@ -121,7 +120,7 @@ def run(
             title = f"c² = {state.trajectory.c2:.4g}"
         elif state.timing.smooth is None:
             title = "fastest timing"
-        clips.append(Clip(title, state.trajectory, state.card, limited_rates(state.result)))
+        clips.append(Clip(title, state.trajectory, state.card, state.result.options.rates))
     elif motion is not None:
         played, limited = load_motion(motion), options.compiled_cell(cell, **take(given, options.LIMITS))
         for side in of_films.get("side_by_side", ["fastest"]):
@@ -167,7 +166,6 @@ def _side_clip(
     side: str, cell: "Cell", motion: "ObjectMotion | JointTable", rates: "Rates", given: dict[str, Any]
 ) -> "tuple[Clip, bool]":
     """The motion as it is played in one way, and whether it keeps its limits."""
-    from mrts.scaling.limit_use import limited_rates
     from mrts.scene.renderer import Clip
     from mrts.viewer.player_state import play
 
@@ -182,7 +180,7 @@ def _side_clip(
     else:
         titles = {"fastest": f"constant factor {state.trajectory.c:.3g}", "optimal": "fastest timing"}
         title = titles.get(side, "smooth timing")
-    return Clip(title, state.trajectory, state.card, limited_rates(state.played)), state.admissible
+    return Clip(title, state.trajectory, state.card, state.result.options.rates), state.admissible
 
 
 def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":

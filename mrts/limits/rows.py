@@ -500,33 +500,26 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
         raise InputError(where, f"must give LimitRows, not {type(rows).__name__}.")
     if not all(isinstance(name, RowName) and not name.sides for name in rows.names):
         raise InputError(where, "must name its rows by RowName, without sides.", key="names")
-    count, samples = len(rows.names), motion.samples
-    wrenches = ((count, len(cell.robots) * len(cell.wrench_components)), "(r, wrench components of all arms)")
-    shapes = {
-        "lower": ((count,), "(r,)"),
-        "upper": ((count,), "(r,)"),
-        "torque_matrix": ((count, motion.q.shape[1]), "(r, joints)"),
-        "wrench_matrix": wrenches,
-        "object_matrix": wrenches,
-        **dict.fromkeys(COLUMNS, ((samples, count), "(samples, r)")),
-        "size": ((count,), "(r,)"),
+    count = len(rows.names)
+    wrenches = count, len(cell.robots) * len(cell.wrench_components)
+    shapes: dict[str, tuple[int, ...]] = {
+        **dict.fromkeys(("lower", "upper", "size"), (count,)),
+        "torque_matrix": (count, motion.q.shape[1]),
+        **dict.fromkeys(("wrench_matrix", "object_matrix"), wrenches),
+        **dict.fromkeys(COLUMNS, (motion.samples, count)),
     }
-    for key, (shape, meaning) in shapes.items():
+    for key, shape in shapes.items():
         values = getattr(rows, key)
         if values is None and key in {"object_matrix", "size", *COLUMNS}:
             continue
         if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
-            given = (
-                f"{values.dtype} of shape {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
-            )
-            rule = f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}."
-            raise InputError(where, rule, key=key)
-        bounds = key in {"lower", "upper"}
-        wrong = np.argwhere(np.isnan(values) if bounds else ~np.isfinite(values))
+            given = f"{type(values).__name__} {getattr(values, 'dtype', '')} {getattr(values, 'shape', '')}".rstrip()
+            raise InputError(where, f"must be real numbers of shape {shape} for {count} names; not {given}.", key=key)
+        wrong = np.argwhere(np.isnan(values) if key in {"lower", "upper"} else ~np.isfinite(values))
         if len(wrong):
             along_motion = key in COLUMNS
             row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
-            rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
+            rule = "must be finite, but for a side without a limit, which is infinite."
             raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=key)
     if rows.object_matrix is not None and not np.array_equal(rows.object_axes, object_axes(cell, motion)):  # type: ignore[arg-type]  # None is not equal
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."

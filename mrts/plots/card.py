@@ -13,7 +13,7 @@ from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import AT_END, Result, ScalingResult
 
 if TYPE_CHECKING:
-    from mrts.scaling.loads import LoadStudy
+    from mrts.scaling.range import LoadStudy
     from mrts.timing.result import RetimingResult
 
 MOST_BARS = 5
@@ -62,7 +62,7 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
         parts = [f"{done.duration:.4g} s"] if timing.given.untimed else parts
         before = "before it made room " if timing.made_room else ""
         parts += [f"{before}limited by {name}, {100 * share:.0f} % of the time" for name, share in timing.limits[:1]]
-    elif not shown.origin and end is not None and end.time is not None:
+    elif not shown.origin and end.time is not None:
         if any(side == "upper" for side, _ in shown.range.ends_at(done.c2, AT_END)):
             parts.append(_limited(end, done.c2))
         else:

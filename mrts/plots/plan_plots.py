@@ -22,13 +22,12 @@ from mrts.plots.plot import (
     value_ends,
 )
 from mrts.plots.trajectory_plots import QUANTITIES, LimitShares, by_robot, by_unit, percent_panel, quantities_panel
-from mrts.scaling.limit_use import all_quantities
 from mrts.simulation.simulate import ReserveSearch, Simulation
 
 
 def simulation_plot(found: Simulation) -> Plot:
     """What was used of all limits, and errors; torques and wrenches, thin and dashed as planned."""
-    sides = all_quantities(found.plan), all_quantities(found.played)
+    sides = found.plan.quantities, found.played.quantities
     of_robots = []
     for robot in found.plan.cell.robots:
         panels = []
@@ -53,7 +52,7 @@ def simulation_plot(found: Simulation) -> Plot:
 
 def closed_loop_panel(found: Simulation) -> Panel:
     """How much of its limits the cell used along the time of the plan [%]."""
-    used = all_quantities(found.played).limited
+    used = found.played.quantities.limited
     moving = found.played.time <= found.plan.duration
     of = LimitShares.ranked("in closed loop", [name.short for name in used.rows], np.maximum(used.share[moving], 0.0))
     return percent_panel(of, found.played.time[moving])

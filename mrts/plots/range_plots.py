@@ -85,7 +85,7 @@ def _range_panel(found: ScalingRange) -> Panel:
     infeasible = np.array([status is RangeStatus.INFEASIBLE for status in samples.status])
     if without := spans(samples.time, infeasible):
         items.append(rectangles(without, low, high, label="no c² at all"))
-    if found.status.admits_motion and found.lower and found.upper:
+    if found.status.admits_motion:
         ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
         items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
                           label=f"range {found.text()}"))  # fmt: skip
@@ -94,7 +94,7 @@ def _range_panel(found: ScalingRange) -> Panel:
         texts = ["\n".join(row.label for row in found.binding(sample, side)) for sample in range(len(values))]
         dash = int(side == "lower")
         items.append(Line(x=samples.time, y=values, label=f"{name}(t)", color=color, dash=dash, texts=texts))
-        if end is None or end.time is None or (side == "lower" and end.c2 <= 0):
+        if end.time is None or (side == "lower" and end.c2 <= 0):
             continue
         if found.status is RangeStatus.EMPTY:
             items.append(level(end.c2, x, color=color, dash=3))
@@ -122,7 +122,7 @@ def _lane_panel(found: ScalingRange, lanes: Sequence[Lane]) -> Panel:
             row = np.array([row for row, _ in bars])
             sides = row - LANE_HEIGHT / 2, row + LANE_HEIGHT / 2
             items.append(rectangles([span for _, span in bars], *sides, color=END_COLOURS[kind], label=word))
-    ends = [end.time for end in (found.lower, found.upper) if end is not None and end.time is not None and end.c2 > 0]
+    ends = [end.time for end in (found.lower, found.upper) if end.time is not None and end.c2 > 0]
     items += [upright(at, names, color=CONFLICT, dash=3) for at in ends]
     strong = " (bold: sets the range)" if any(lane.sets for lane in lanes) else ""
     title = f"Limits that bind: ↑ at the upper, ↓ at the lower side{strong}"
@@ -132,7 +132,7 @@ def _lane_panel(found: ScalingRange, lanes: Sequence[Lane]) -> Panel:
 def c2_ends(found: ScalingRange) -> tuple[float, float]:
     """Ends of an axis that shows c²⁻(t), c²⁺(t) and the range over the motion."""
     upper, lower = (side[np.isfinite(side)] for side in (found.samples.upper, found.samples.lower))
-    ends = [end.c2 for end in (found.lower, found.upper) if end is not None and np.isfinite(end.c2)]
+    ends = [end.c2 for end in (found.lower, found.upper) if np.isfinite(end.c2)]
     wanted = max([*ends, float(np.min(upper)) if upper.size else 0.0, 0.0])
     highest = max([*upper.tolist(), *lower.tolist(), 0.0])
     top = (min(highest, ABOVE_THE_RANGE * wanted) if wanted > 0 else highest) or 1.0
@@ -150,9 +150,8 @@ def binding_lanes(found: ScalingRange) -> list[Lane]:
         conflicts[conflict.sample] = conflict.rows
     lanes = _lanes("conflict", conflicts, ())
     for side in SIDES:
-        end = getattr(found, side)
         rows = [found.binding(sample, side) for sample in range(len(samples.time))]
-        own = _lanes(side, rows, () if end is None else end.rows)
+        own = _lanes(side, rows, getattr(found, side).rows)
         lanes += [] if {lane.label for lane in own} <= {str(STANDSTILL)} else own
     return lanes
 
@@ -185,9 +184,9 @@ def load_plot(results: Mapping[str, ScalingResult]) -> Plot:
     for index, (label, result) in enumerate(results.items()):
         found = result.range
         time, end, admits = found.samples.time, found.upper, found.status.admits_motion
-        reach = f"c²⁺ = {end.c2:.4g}" if end is not None and np.isfinite(end.c2) and admits else found.status.value
+        reach = f"c²⁺ = {end.c2:.4g}" if np.isfinite(end.c2) and admits else found.status.value
         items.append(Line(x=time, y=found.samples.upper, label=f"{label} ({reach})", **look(index)))
-        if end is not None and end.time is not None:
+        if end.time is not None:
             at, c2 = np.array([end.time]), np.array([end.c2])
             items.append(Points(x=at, y=c2, color=COLOURS[index % len(COLOURS)]))
     y = Axis(label="largest c² [1]", ends=(0.0, max(c2_ends(result.range)[1] for result in results.values())))

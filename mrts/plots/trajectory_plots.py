@@ -14,7 +14,8 @@ from mrts.plots.card import answer_card
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, curves_panel, level, look, shortened, time_axis
 from mrts.plots.range_plots import range_plot
-from mrts.scaling.limit_use import LimitedQuantities, all_quantities, limited_quantities, limited_rates
+from mrts.program.rate_limits import RateLimits
+from mrts.scaling.limit_use import LimitedQuantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
 from mrts.timing.result import RetimingResult
@@ -75,12 +76,12 @@ class LimitShares:
         return TITLES.get(self.kind, self.kind.capitalize())
 
 
-def limit_shares(done: ScaledTrajectory, rates: LimitedQuantities | None = None) -> list[LimitShares]:
+def limit_shares(done: ScaledTrajectory, rates: RateLimits | None = None) -> list[LimitShares]:
     """The shares of all limits that there are, kind by kind; the rows of one hand that fail alike make one line.
 
-    Velocities also where their limits are reported only, and rates that are given.
+    Velocities also where their limits are reported only, and rates by the limits that are kept, or else the cell's.
     """
-    found = [all_quantities(done).limited, *([] if rates is None else [rates])]
+    found = [done.quantities.limited, done.limited_rates(rates)]
     rows = [name for of in found for name in of.rows]
     share = np.maximum(np.hstack([of.share for of in found]), 0.0)
     kinds = []
@@ -125,9 +126,9 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
     Raises:
         ValueError: If there is no trajectory.
     """
-    time, of_robots = result.done.time, []
+    time, found, of_robots = result.done.time, result.done.quantities, []
     for robot in result.cell.robots:
-        parts = (part for kind in QUANTITIES for part in by_unit(limited_quantities(result, kind, robot.name)))
+        parts = (part for kind in QUANTITIES for part in by_unit(found.of(kind, robot.name)))
         of_robots.append([quantities_panel(time, part) for part in parts])
     title = f"{title or _title(result)} (thin lines: limits)"
     return Plot(name="torques_and_wrenches", title=title, rows=by_robot(of_robots), clock="played")
@@ -136,7 +137,7 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
 def limits_plot(result: ScalingResult, title: str = "") -> Plot:
     """How much of its limits the motion uses along time [%], a panel for each kind; arguments as `trajectory_plot`."""
     time = result.done.time
-    panels = [percent_panel(of, time) for of in limit_shares(result.done, limited_rates(result))]
+    panels = [percent_panel(of, time) for of in limit_shares(result.done, result.options.rates)]
     rows = [panels[at : at + 2] for at in range(0, len(panels), 2)]
     return Plot(name="limits", title=title or _title(result), rows=rows, clock="played")
 

@@ -47,8 +47,8 @@ MOST_CUTS = 200
 FASTER = 4.0
 """Where nothing but rates limits the speed, factors are asked about in turn, each so many times as large."""
 
-MOST_FASTER = 10
-"""How many: up to a million times the speed that is given."""
+FASTEST = 1e6
+"""The largest of them."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class RatedFactors:
     def within(self, found: ScalingRange, below: Callable[[float], ScalingRange]) -> ScalingRange:
         """What limits of rates leave of a range that admits motion, whose ends they move inward."""
         whole, refused = found, None
-        while whole.status.admits_motion and whole.lower is not None and whole.upper is not None:
+        while whole.status.admits_motion:
             low, top = whole.lower, self._fastest(whole.lower.c2, whole.upper)
             if top.c2 >= low.c2:
                 return range_between(self.slowest(low, top.c2), top, whole.samples)
@@ -118,7 +118,7 @@ class RatedFactors:
             if not whole.samples.several:
                 break
             lower = below(top.c2)
-            if lower.lower is None or not lower.lower.c2 < low.c2:
+            if not lower.lower.c2 < low.c2:
                 break
             whole = lower
         assert refused is not None  # noqa: S101 (the range admits motion)
@@ -130,12 +130,13 @@ class RatedFactors:
         If they admit nothing of it, it is the largest c² beneath that they do not rule out.
         """
         end = upper if self.by_jerk is None or upper.c2 <= self.by_jerk.c2 else self.by_jerk
-        c2 = end.c2
-        if self.limits_changes and not np.isfinite(c2) and not self.stands:
-            c2 = self._ruled_out(lower)
-        if not self.limits_changes or not 0 < c2 < np.inf or c2 < lower:
+        c2, c = end.c2, max(1.0, float(np.sqrt(lower)))
+        if not self.limits_changes or c2 <= 0 or c2 < lower or (self.stands and np.isinf(c2)):
             return end
-        return self._followed(c2, (lower, np.inf), faster=False) or end
+        while np.isinf(c2) and c < FASTEST:
+            c2 = c2 if self._asked(c).is_admitted else c * c
+            c *= FASTER
+        return end if np.isinf(c2) else self._followed(c2, (lower, np.inf), faster=False) or end
 
     def slowest(self, lower: RangeEnd, upper: float) -> RangeEnd:
         """The least c² that rates admit of what lies between an end and a c²."""
@@ -145,8 +146,6 @@ class RatedFactors:
 
     def refused(self, c2: float) -> RangeEnd | None:
         """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it."""
-        if self.by_jerk is not None and c2 > self.by_jerk.c2 * (1 + RATE_MARGIN):
-            return self.by_jerk
         asked = self._asked(float(np.sqrt(c2))) if self.limits_changes else None
         return None if asked is None or asked.is_admitted else self._binding(asked)
 
@@ -179,15 +178,6 @@ class RatedFactors:
                 return None if refusing is None else self._binding(asked)
             c, refusing = asked.next(faster=faster), asked
         raise SolverError(f"the factors within the rates were not found by {MOST_CUTS} linear programs.")
-
-    def _ruled_out(self, lower: float) -> float:
-        """A c² that rates rule out where nothing else limits it; infinity if there is none."""
-        c = max(1.0, float(np.sqrt(lower)))
-        for _ in range(MOST_FASTER):
-            if not self._asked(c).is_admitted:
-                return c * c
-            c *= FASTER
-        return float(np.inf)
 
     def _end_by_jerk(self, share: Array, names: Sequence[RowName], most: Array) -> RangeEnd | None:
         """The largest c² by c³ |q'''| <= jerk, of q''' as shares of the limit; None if no jerk is limited or needed."""

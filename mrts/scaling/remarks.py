@@ -2,7 +2,6 @@
 """What a user should know of a given motion before trusting its range, and of a plan's torques before playing it."""
 
 from itertools import compress
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,13 +11,11 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
+from mrts.limits.rows import RATES
 from mrts.motion.object_courses import ProfiledPath
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.scaling.limit_use import LimitUse, by_share, power_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, by_share
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-
-if TYPE_CHECKING:
-    from mrts.scaling.result import ScalingResult
 
 ENDS_AT_REST = 0.05
 """Share of a motion's largest speed up to which its ends count as at rest: splines through tables leave that much."""
@@ -174,19 +171,16 @@ def _position_units(cell: Cell) -> list[str]:
     return [unit for robot in cell.robots for unit in robot.position_units]
 
 
-def plan_remarks(result: "ScalingResult") -> tuple[Remark, ...]:
-    """All of the trajectory of a result; none without one."""
-    done = result.trajectory
-    if done is None:
-        return ()
-    rated = result.options.rates is not None
+def plan_remarks(done: ScaledTrajectory, uses: list[LimitUse], *, rated: bool) -> tuple[Remark, ...]:
+    """All of a trajectory, by how much of its limits it uses; whether rates are kept counts."""
     remarks = _pushing(done, rated=rated) + overload_remarks(done)
     if not rated:
         advice = "--rates cell keeps them, at a speed that varies --profile smooth (in Python rates=True)."
-        remarks += _passing(rate_uses(result), "rate-passed", f"Rates are reported only; {advice}")
-    if not result.cell.enforces_velocity_limits:
-        uses = [use for use in result.uses if use.name.kind == "velocity"]
-        remarks += _passing(uses, "velocity-passed", "Velocity limits are not kept, as was asked.")
+        rates = [use for use in uses if use.name.kind in RATES]
+        remarks += _passing(rates, "rate-passed", f"Rates are reported only; {advice}")
+    if not done.cell.enforces_velocity_limits:
+        velocities = [use for use in uses if use.name.kind == "velocity"]
+        remarks += _passing(velocities, "velocity-passed", "Velocity limits are not kept, as was asked.")
     return remarks
 
 
@@ -218,7 +212,7 @@ def _pushing(done: ScaledTrajectory, *, rated: bool) -> tuple[Remark, ...]:
 def overload_remarks(done: ScaledTrajectory) -> tuple[Remark, ...]:
     """What motors do not bear for ever, and power above theirs: no linear row, as a product of torque and speed."""
     advice = "Power is reported only: a slower motion takes less."
-    return _overrated(done) + _passing(by_share(power_uses(done)), "above-power", advice)
+    return _overrated(done) + _passing(by_share(done.power_uses), "above-power", advice)
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:

@@ -22,10 +22,9 @@ from mrts.program.between_samples import Excess
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
-from mrts.scaling.limit_use import LimitUse, by_share, limit_uses, limits_table, rate_uses
-from mrts.scaling.loads import LoadStudy, range_at_samples
+from mrts.scaling.limit_use import LimitUse, by_share, limits_table
 from mrts.scaling.options import Options
-from mrts.scaling.range import ScalingRange
+from mrts.scaling.range import LoadStudy, ScalingRange, range_at_samples
 from mrts.scaling.remarks import plan_remarks
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.what_if import SpeedQuestion, WhatIf, what_if
@@ -183,7 +182,9 @@ class ScalingResult(Result):
     def warnings(self) -> tuple[Remark, ...]:
         """What to know of the cell and the motion, and of the plan's torques, before trusting the answer."""
         remarks = self.remarks() if callable(self.remarks) else self.remarks
-        return tuple(dict.fromkeys((*remarks, *plan_remarks(self))))
+        if self.trajectory is not None:
+            remarks += plan_remarks(self.trajectory, self.uses, rated=self.options.rates is not None)
+        return tuple(dict.fromkeys(remarks))
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -204,7 +205,7 @@ class ScalingResult(Result):
     @property
     def uses(self) -> list[LimitUse]:
         """How much of each limit is used, rates too, by falling share; nothing without a trajectory."""
-        return by_share([*self.limit_uses, *rate_uses(self)])
+        return [] if self.trajectory is None else by_share([*self.trajectory.limit_uses, *self.rate_uses])
 
     def setting_rows(self) -> list[RowName]:
         """What ends the range at c²; nothing of a retimed motion, whose timing tells it."""
@@ -212,9 +213,10 @@ class ScalingResult(Result):
         return [row.name for _, end in ends for row in end.rows]
 
     @cached_property
-    def limit_uses(self) -> tuple[LimitUse, ...]:
-        """How much of each limit the trajectory uses, rates apart; nothing without a trajectory."""
-        return () if self.trajectory is None else limit_uses(self.trajectory)
+    def rate_uses(self) -> list[LimitUse]:
+        """How much of each limit of rates is used, those that are kept or else the cell's."""
+        done = self.trajectory
+        return [] if done is None else by_share(done.limited_rates(self.options.rates).uses(done.time))
 
     @property
     def status(self) -> RangeStatus:
@@ -224,16 +226,14 @@ class ScalingResult(Result):
     @property
     def torque(self) -> dict[str, Array]:
         """Joint torques by robot, each Shape (N, n_i) [N m or N]; empty if there is no trajectory."""
-        if self.trajectory is None:
-            return {}
-        return {name: self.trajectory.torque[:, part] for name, part in self.cell.joint_slices.items()}
+        done = self.trajectory
+        return {} if done is None else {name: done.torque[:, part] for name, part in self.cell.joint_slices.items()}
 
     @property
     def wrench(self) -> dict[str, Array]:
         """Contact wrenches by robot in base axes, each Shape (N, w) [N, N m]; empty if there is no trajectory."""
-        if self.trajectory is None:
-            return {}
-        return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
+        done = self.trajectory
+        return {} if done is None else {name: done.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
 
     @property
     def duration(self) -> float | None:
@@ -275,7 +275,7 @@ class ScalingResult(Result):
             SelectionError: If no plan near it keeps the limits.
             SolverError: If no solver answers.
         """
-        from mrts.scaling.fixed_rate import at_rate  # noqa: PLC0415 (it scales, which makes results)
+        from mrts.scaling.scale import at_rate  # noqa: PLC0415 (it scales, which makes results)
 
         return at_rate(self, rate)
 
@@ -299,7 +299,7 @@ class ScalingResult(Result):
 
     def _outcome(self) -> str:
         found = self.range
-        if found.lower is None or found.upper is None or not found.status.admits_motion:
+        if not found.status.admits_motion:
             return f"{found.status.value}: {found.explain()}"
         least = found.lower.c2
         below = f"below {found.lower.place()}" if least > 0 else ""
@@ -349,7 +349,7 @@ class ScalingResult(Result):
         """Entries of the JSON result of a trajectory of this cell."""
         rates = [
             use.name.to_json() | {"limit": use.upper, "largest": use.size, "share": use.share, "time": use.time}
-            for use in rate_uses(self)
+            for use in self.rate_uses
         ]
         return done.to_json() | {"rates": rates}
 
@@ -371,14 +371,11 @@ def largest_excess(rows: LimitRows, done: ScaledTrajectory) -> float:
 
 
 def _speed_advice(ends: tuple[float, float], given: float, *, several: bool) -> str:
-    least, most = ends
+    (least, most), (slow, fast) = ends, np.sqrt(ends)
     if most <= 0:
         return "the cell can hold the object still at every sample, but not move it along this path"
-    fast = f"{np.sqrt(most):.3g} × as fast as given"
-    if least > 0:
-        verb = "may" if several or least <= 1 <= most else "must"
-        times = f"{given / np.sqrt(least):.4g} to {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
-        slower = "; whether it may be played slower has to be asked for each c²" if several else ""
-        return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}{slower}"
-    allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
-    return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
+    factors, times = f"{fast:.3g} × as fast as given", f"{given / fast:.4g} s instead of {given:.4g} s"
+    if least <= 0:
+        return f"you may play it up to {factors}: {times}"
+    slower = "; whether it may be played slower has to be asked for each c²" if several else ""
+    return f"you may play it {slow:.3g} to {factors}: {given / slow:.4g} to {times}{slower}"

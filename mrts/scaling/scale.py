@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -9,13 +8,14 @@ from functools import partial
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MrtsError, Progress, Remark, SolverError, check_callable, check_type
+from mrts.base.errors import InputError, MrtsError, Progress, Remark, SolverError, check_callable, check_type, is_number
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import ClosureBound, coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.denser_motion import between_samples
 from mrts.limits import Limit
 from mrts.limits.rows import rows_text
-from mrts.motion.joint_table import NO_SPEED, JointTable
+from mrts.motion.joint_table import NO_SPEED, JointTable, joint_contradictions
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.between_samples import BETWEEN, Excess, refine
@@ -26,29 +26,40 @@ from mrts.program.motion_rows import MotionRows
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ranges
+from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.scaling.constant_rates import RatedFactors, torques_within_rates
-from mrts.scaling.loads import range_at_samples
 from mrts.scaling.options import Options, Selection, limited_cell
-from mrts.scaling.range import ScalingRange
+from mrts.scaling.range import ScalingRange, range_at_samples
 from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.result import END_TOLERANCE, LIMIT_TOLERANCE, ScalingResult, kept_text, largest_excess
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 from mrts.scaling.what_if import NO_CHANGE, SpeedAnswer, SpeedQuestion
+
+MOST_ROWS = 1_000_000
+"""Of a plan: as many as a table may have that is read."""
+
+ATTEMPTS = 10
+"""Durations that are tried, each by what the one before passed its limits."""
+
+WHOLE = 1e-9
+"""Share of a step by which a duration may miss a whole number of steps: rounding."""
 
 
 class SelectionError(MrtsError):
     """The requested c² is not in the admissible range, or no single value answers the request.
 
     Attributes:
-        result: The result with the range that was found; None before there is one.
+        result: The result with the range that was found.
     """
 
-    def __init__(self, message: str, result: ScalingResult | None = None) -> None:
+    def __init__(self, message: str, result: ScalingResult) -> None:
         super().__init__(message)
         self.result = result
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.result)
 
 
 def scale(
@@ -143,10 +154,7 @@ def chosen_factor(
     result, rows, excess = admissible_range(cell, motion, options, progress)
     if not result.range.status.admits_motion or options.load == "possible":
         return result, rows
-    try:
-        c2 = choose_c2(result, rows)
-    except SelectionError as error:
-        raise SelectionError(f"{kept_text(cell.reserve)}{error}", result) from None
+    c2 = choose_c2(result, rows)
     return replace(result, c2=c2, excess=excess and excess(c2)), rows
 
 
@@ -172,12 +180,9 @@ def admissible_range(
     excess, told = None, tuple[Remark, ...]()
     prescribed = options.sharing is not None and options.sharing.varies
     if options.between is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
-        assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
         ends = found.lower.c2, found.upper.c2
 
         def ranges(there: MotionRows) -> SampleRanges:
-            if options.load == "nominal":
-                return motion_ranges(there, None, ends[1])
             return range_at_samples(there, options, high=ends[1])[0].samples
 
         refined, excess = refine(rows, found.samples, ends, ranges, options.between)
@@ -186,6 +191,13 @@ def admissible_range(
             found, study = range_at_samples(rows, options, progress)
             if 0 < given.c2_upper < np.inf:
                 told = interpolated(motion, 1 - max(found.c2_upper, 0.0) / given.c2_upper, "c²⁺ {} less")
+    if options.rates is not None and found.status.admits_motion:
+
+        def below(high: float) -> ScalingRange:
+            return range_at_samples(rows, options, high=high * (1 + POINT_TOLERANCE))[0]
+
+        loads = (None,) if study is None else study.points
+        found = RatedFactors(rows, loads, options.rates).within(found, below)
     result = ScalingResult(
         cell=cell,
         motion=rows.motion,
@@ -196,12 +208,6 @@ def admissible_range(
         options=options,
         remarks=partial(motion_remarks, cell, motion, rows.motion, told, constant=True),
     )
-    if options.rates is not None and found.status.admits_motion:
-
-        def below(high: float) -> ScalingRange:
-            return range_at_samples(rows, options, high=high * (1 + POINT_TOLERANCE))[0]
-
-        result = replace(result, found=RatedFactors(rows, result.loads, options.rates).within(found, below))
     return result, rows, excess
 
 
@@ -223,56 +229,61 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
     return worst
 
 
+def admitted_factor(result: ScalingResult, c2: float, tolerance: float = 0.0) -> float | None:
+    """The admissible c² that a given one stands for: itself, or an end that it misses by a share; None without one.
+
+    Where samples admit several intervals, slower ones than the range are looked at too.
+    """
+    found = result.range
+    near = found.admitted(c2, tolerance)
+    if near is None and found.samples.several and c2 < found.lower.c2 and conflict_at(result, c2) is None:
+        return c2
+    return near
+
+
 def choose_c2(result: ScalingResult, rows: MotionRows) -> float:
     """Step 3.1 of MMTSF: choose c² in the admissible range of a result, as its options say.
 
     Raises:
         SelectionError: If the value is not admissible, not finite, or not above 0.
     """
-    found, select = result.range, result.options.select
-    assert found.upper is not None  # noqa: S101 (the range admits motion)
+    found, select, rates = result.range, result.options.select, result.options.rates
     unlimited = found.status is RangeStatus.UNBOUNDED
+
+    def refused(why: str) -> SelectionError:
+        return SelectionError(f"{kept_text(result.cell.reserve)}c² ∈ {found.text(digits=6)}: {why}", result)
+
     if select == "auto" and unlimited:
         select = 1.0
     if isinstance(select, str):
         if unlimited:
-            raise SelectionError(f"no limit depends on the speed: c² ∈ {found.text(digits=6)}. Choose a value.")
+            raise refused("no limit depends on the speed. Choose a value.")
         if found.upper.c2 <= 0:
-            still = f"c² ∈ {found.text(digits=6)}: the cell can only hold still."
-            raise SelectionError(f"{still} The upper end is set {found.upper.place()}.")
+            raise refused(f"the cell can only hold still. The upper end is set {found.upper.place()}.")
         return found.upper.c2
-    too_large = abs(select) > sys.float_info.max  # Python's whole numbers have no end
-    c2 = float("inf" if select > 0 else "-inf") if too_large else float(select)
-    if not (np.isfinite(c2) and c2 > 0):
-        raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {found.text(digits=6)}.")
-    return _admitted(result, rows, c2)
-
-
-def _admitted(result: ScalingResult, rows: MotionRows, c2: float) -> float:
-    """The c² of the range that a given one stands for; a SelectionError if there is none."""
-    found, rates, interval = result.range, result.options.rates, result.range.text(digits=6)
-    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    low, admitted = found.lower.c2, found.admitted(c2, END_TOLERANCE)
-    outside = f"c² = {c2:g} is outside the admissible range {interval}"
-    if admitted is None and c2 < low and found.samples.several:
-        worst = conflict_at(result, c2)
-        if worst is not None:
-            raise SelectionError(
-                f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{worst.with_load} "
-                f"{rows_text(worst.rows, '; ')} forbid it."
-            )
-        admitted = c2
+    c2 = float(select) if is_number(select) else np.inf
+    if not 0 < c2 < np.inf:
+        raise refused(f"{c2:g} is no c² of a speed: it must be finite and > 0.")
+    admitted = admitted_factor(result, c2, END_TOLERANCE)
     if admitted is None:
-        side, end = ("lower", found.lower) if c2 < low else ("upper", found.upper)
-        raise SelectionError(f"{outside}. The {side} end is set {end.place()}.")
-    if rates is not None and admitted not in {low, found.upper.c2}:
-        refused = RatedFactors(rows, result.loads, rates).refused(admitted)
-        if refused is not None:
-            raise SelectionError(
-                f"c² = {admitted:g} lies in a gap that rates leave in the admissible range {interval}: at "
-                f"t = {refused.time:.4g} s {rows_text(refused.rows)} would be passed."
-            )
+        raise refused(f"c² = {c2:g} is outside this range{_passed(result, c2)}")
+    if rates is not None and admitted not in {found.lower.c2, found.upper.c2}:
+        binds = RatedFactors(rows, result.loads, rates).refused(admitted)
+        if binds is not None:
+            at = f"at t = {binds.time:.4g} s {rows_text(binds.rows)} would be passed."
+            raise refused(f"c² = {admitted:g} lies in a gap that rates leave in this range: {at}")
     return admitted
+
+
+def _passed(result: ScalingResult, c2: float) -> str:
+    """What a c² outside the range passes."""
+    found = result.range
+    worst = conflict_at(result, c2) if found.samples.several and c2 < found.lower.c2 else None
+    if worst is not None:
+        at = f"at t = {worst.time:.4g} s{worst.with_load}"
+        return f", and no slower one admits it: {at} {rows_text(worst.rows, '; ')} forbid it."
+    side, end = ("lower", found.lower) if c2 < found.lower.c2 else ("upper", found.upper)
+    return f". The {side} end is set {end.place()}."
 
 
 def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:
@@ -300,11 +311,9 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.c2
     options = replace(result.options, solver=solver)
-    rows = options.rows(cell, motion)
-    own, _ = range_at_samples(rows, replace(options, load="nominal"))
-    refused = replace(result, cell=cell, options=options, found=own, c2=None, trajectory=None, load=None)
-    if own.admitted(c2, END_TOLERANCE) is None and not (own.samples.several and conflict_at(refused, c2) is None):
-        raise SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}", refused)
+    own, rows = chosen_factor(cell, motion, replace(options, select=c2, load="nominal", between=None, rates=None))
+    if own.c2 is None:
+        raise SelectionError(own.sentence(), own)
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
     excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None
     try:
@@ -312,7 +321,7 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
     except SolverError as error:
         if options.rates is None:
             raise
-        raise SelectionError(f"c² = {c2:g} does not suit this load where rates are kept: {error}", refused) from None
+        raise SelectionError(f"c² = {c2:g} does not suit this load where rates are kept: {error}", own) from None
 
 
 def with_torques(
@@ -383,10 +392,61 @@ def range_question(result: ScalingResult) -> SpeedQuestion:
         if known and before and before.c2 is not None and np.isclose(found.c2_upper, before.c2, NO_CHANGE, 0):
             return before  # to find which rows bind takes longer than to see that the range stays
         status, upper = found.status, found.upper
-        if not status.admits_motion or upper is None:
+        if not status.admits_motion:
             return SpeedAnswer(status=status.value, reason=found.reason())
         duration = float(motion.object.time[-1] / np.sqrt(upper.c2)) if upper.c2 > 0 else np.inf
         limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
         return SpeedAnswer(status=status.value, c2=upper.c2, duration=duration, limits=limits)
 
     return cell, result.motion, answer
+
+
+def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
+    """See `mrts.ScalingResult.at_rate`."""
+    done = result.trajectory
+    if done is None:
+        raise InputError("rate", "there is no trajectory to sample: no c² was chosen.", value=rate)
+    if not is_number(rate, 1 / done.duration, MOST_ROWS / done.duration):
+        rule = f"must be a number of rows per second, at least one and at most {MOST_ROWS} in {done.duration:.4g} s."
+        raise InputError("rate", rule, value=rate)
+    if result.options.sharing is not None and result.options.sharing.varies:
+        raise InputError("rate", "an internal wrench that is given for each sample is not known at others.", value=rate)
+    options = replace(result.options, load="nominal", select=1.0, rates=None)
+    steps, refused = int(np.ceil(done.duration * rate * (1 - WHOLE))), MrtsError("")
+    for _ in range(ATTEMPTS):
+        motion = _sampled(result, steps, float(rate))
+        found, _, excess_at = admissible_range(done.cell, motion, options)
+        ends, c2 = found.range, found.range.admitted(1.0, END_TOLERANCE)
+        if c2 is None:
+            refused = SelectionError(f"at {rate:g} Hz: {found.sentence()}", found)
+            least, most = ends.lower.c2, ends.upper.c2
+            slower = int(np.ceil(steps / np.sqrt(most))) if most > 0 else 0
+            steps = int(steps / np.sqrt(least)) if 1 < least < np.inf else max(steps + 1, slower)
+            continue
+        own_range = ends if found.motion is motion else None
+        excess = excess_at and excess_at(c2)
+        own = replace(options, rates=result.options.rates)  # a plan has its own rows alone, whatever was looked at
+        try:
+            sampled = with_torques(replace(found, motion=motion, found=own_range, c2=c2, options=own, excess=excess))
+        except SolverError as error:  # where rates do not suit
+            steps, refused = steps + 1, error
+            continue
+        played = sampled.trajectory
+        assert played is not None and played.holding is not None  # noqa: S101, PT018 (c² is in the range)
+        played = replace(played, holding=replace(played.holding, rate=float(rate)))
+        return replace(sampled, trajectory=played, origin=f"sampled at {rate:g} Hz")
+    raise refused
+
+
+def _sampled(result: ScalingResult, steps: int, rate: float) -> CoordinatedMotion:
+    """The motion as it is played, at equal steps from its first sample to its last, slower by less than one of them."""
+    assert result.trajectory is not None  # noqa: S101 (the caller has looked)
+    given, time = result.motion, np.arange(steps + 1) / rate
+    end = float(given.object.time[-1])
+    some = between_samples(result.trajectory.cell, given, time[1:-1] * (end / time[-1]))
+    c = end / float(time[-1])
+    carried = some.object.played(time, c * some.object.twist, c**2 * some.object.acceleration)
+    q, dq, ddq = some.q, c * some.dq, c**2 * some.ddq
+    for found in joint_contradictions(result.cell.joint_names, time, q, dq, ddq):
+        raise InputError("rate", f"is too low for this plan: {found}", value=rate)
+    return CoordinatedMotion(carried, q, dq, ddq, travel=some.travel)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The motion played at the chosen speed: what a controller gets."""
+"""The motion played at the chosen speed: what a controller gets, and what it makes of the limited quantities."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,10 +11,13 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.formats.record import dumped
 from mrts.cell.cell import Cell
-from mrts.cell.motors import JointDuty, joint_duty
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.limits import all_rows
 from mrts.limits.cell_limits import torque_limits
+from mrts.limits.rows import TORQUE_SPEED, RowName
 from mrts.program.motion_rows import motor_terms
+from mrts.program.rate_limits import RateLimits, given_rate_limits, rate_names
+from mrts.scaling.limit_use import LimitedQuantities, LimitUse
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,46 @@ class Holding:
     torque: Array
     wrench: Array
     rate: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointDuty:
+    """Duty of n joints over a motion, each Shape (n,); of a prismatic joint read N, m/s, N/s, m/s³.
+
+    Torques are those that the motors give, taken as straight lines between samples. A share is that of what the joint
+    bears, 1 being all of it, and 0 where no limit is known. Torque rate and jerk bound nothing unless rates are
+    kept (`mrts.scale(rates=…)`). They are differences of neighbouring samples, so a jump, as of dry friction where a
+    joint turns back, counts as steep as the samples are close.
+
+    Attributes:
+        rms_torque: Root mean square over the motion, pauses before and after it left out [N m].
+        rated_share: Of `JointMotors.rated`.
+        peak_torque: Largest |τ| [N m].
+        torque_share: Largest share of a torque limit, on the side that is nearer.
+        drive_power: Largest power q̇ τ that the motor gives [W].
+        brake_power: Largest power that it takes up [W].
+        power_share: The larger of the two, of `JointMotors.power`.
+        peak_speed: Largest |q̇| [rad/s].
+        speed_share: Of the velocity limit, or of the end of the torque-speed curve where that is less.
+        torque_rate: Largest |τ̇| [N m/s].
+        torque_rate_share: Of `JointMotors.torque_rate`.
+        jerk: Largest |change of q̈| per second [rad/s³].
+        jerk_share: Of `JointMotors.jerk`.
+    """
+
+    rms_torque: Array
+    rated_share: Array
+    peak_torque: Array
+    torque_share: Array
+    drive_power: Array
+    brake_power: Array
+    power_share: Array
+    peak_speed: Array
+    speed_share: Array
+    torque_rate: Array
+    torque_rate_share: Array
+    jerk: Array
+    jerk_share: Array
 
 
 @dataclass(frozen=True, repr=False)
@@ -115,20 +158,29 @@ class ScaledTrajectory:
     @cached_property
     def duty(self) -> dict[str, JointDuty]:
         """What the motion asks of the motors, by robot."""
-        share = torque_limits(self.cell, self.motion).share(self.torque)
-        parts = zip(self.cell.robots, self.cell.joint_slices.values(), strict=True)
-        return {
-            robot.name: joint_duty(
-                robot.motors,
-                self.time,
-                self.dq[:, part],
-                self.ddq[:, part],
-                self.torque[:, part],
-                torque_share=share[:, part],
-                velocity_limit=robot.velocity_limit,
-            )
-            for robot, part in parts
+        cell, torque, power, steps = self.cell, self.torque, self.power, np.diff(self.time)[:, None]
+        squares = np.sum(steps * (torque[:-1] ** 2 + torque[:-1] * torque[1:] + torque[1:] ** 2) / 3, axis=0)
+        curves = [curve for robot in cell.robots for curve in robot.motors.torque_speed]
+        fastest = np.array([np.inf if curve is None else curve[-1, 0] for curve in curves])
+        rms, speed = np.sqrt(squares / self.duration), np.max(np.abs(self.dq), axis=0)
+        rate, jerk = (np.max(np.abs(np.diff(of, axis=0) / steps), axis=0) for of in (torque, self.ddq))
+        of_all = {
+            "rms_torque": rms,
+            "rated_share": rms / cell.stacked("motors.rated"),
+            "peak_torque": np.max(np.abs(torque), axis=0),
+            "torque_share": np.max(torque_limits(cell).share(torque), axis=0, initial=0.0),
+            "drive_power": np.max(power, axis=0, initial=0.0),
+            "brake_power": np.max(-power, axis=0, initial=0.0),
+            "power_share": np.max(np.abs(power), axis=0) / cell.stacked("motors.power"),
+            "peak_speed": speed,
+            "speed_share": speed / np.minimum(cell.stacked("velocity_limit"), fastest),
+            "torque_rate": rate,
+            "torque_rate_share": rate / cell.stacked("motors.torque_rate"),
+            "jerk": jerk,
+            "jerk_share": jerk / cell.stacked("motors.jerk"),
         }
+        parts = cell.joint_slices.items()
+        return {name: JointDuty(**{key: of[part] for key, of in of_all.items()}) for name, part in parts}
 
     @property
     def power(self) -> Array:
@@ -167,6 +219,50 @@ class ScaledTrajectory:
         """F - B⁺ B F with B = [B_1 … B_n], the part of F that does not move the object, Shape (N, n w) [N, N m]."""
         B = self.terms["B"]
         return self.wrench - least_wrenches(B, np.einsum("nij,nj->ni", B, self.wrench))
+
+    @property
+    def quantities(self) -> LimitedQuantities:
+        """What rows limit, with what the limits of torque-speed lines are at the speed of each sample.
+
+        Velocities have theirs also where these are reported only. Such a line is no limit on the side on which the
+        motor brakes.
+        """
+        rows = all_rows(self.cell, self.motion)
+        values = rows.value(self.torque, self.wrench, 0.0, self.c)
+        lines = np.array([name.kind == TORQUE_SPEED for name in rows.names], dtype=bool)
+        moving = np.zeros_like(values) if rows.speed is None else np.where(lines, rows.speed * self.c, 0.0)
+        lower = np.where(moving > 0, -np.inf, rows.lower - moving)
+        upper = np.where(moving < 0, np.inf, rows.upper - moving)
+        return LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units).of_circles
+
+    @cached_property
+    def limit_uses(self) -> tuple[LimitUse, ...]:
+        """How much of each limit is used, those of velocities enforced or not, in their order; rates apart."""
+        return self.quantities.limited.uses(self.time)
+
+    @property
+    def power_uses(self) -> tuple[LimitUse, ...]:
+        """Powers that are limited, of joints and of all motors together: products of torque and speed, so no rows."""
+        cell, power = self.cell, np.column_stack([self.power, np.sum(self.power, axis=1)])
+        names = [RowName("power", robot.name, joint, "W") for robot in cell.robots for joint in robot.joints]
+        rows = (*names, RowName("power", "", "all motors together", "W"))
+        unit = np.append(cell.stacked("motors.power"), cell.power_limit or np.inf)
+        limit = np.broadcast_to(unit, power.shape)
+        return LimitedQuantities(rows, power, -limit, limit, np.abs(power) / limit, unit).limited.uses(self.time)
+
+    def limited_rates(self, kept: RateLimits | None = None) -> LimitedQuantities:
+        """Torque rates, wrench rates and jerks that are limited: differences of neighbouring samples.
+
+        Limits are those that are kept, or else those that the cell gives. Each sample has the value of the step that
+        begins there, the last that of the step before it.
+        """
+        limits, motors = kept or given_rate_limits(self.cell), motor_terms(self.cell, self.motion)
+        torque = self.torque if motors is None else self.torque - motors.dry  # it steps: no timing changes that
+        rates = np.diff(np.hstack([torque, self.wrench, self.ddq]), axis=0) / np.diff(self.time)[:, None]
+        rates, names = np.concatenate([rates, rates[-1:]]), sum(rate_names(self.cell), ())
+        unit = np.concatenate([limits.torque, limits.wrench, limits.jerk])
+        limit = np.broadcast_to(unit, rates.shape)
+        return LimitedQuantities(names, rates, -limit, limit, np.abs(rates) / limit, unit).limited
 
     def to_json(self) -> dict[str, Any]:
         """Entries of the JSON result."""

@@ -76,11 +76,13 @@ class ChangedAnswer:
     before: SpeedAnswer
 
     def __str__(self) -> str:
-        if self.after.duration is None:
-            return f"{self.change}: {self.effect}: {self.after.reason}"
-        then = first_names(self.after.limits, MOST_NAMED)
-        times = f"{_seconds(self.after.duration)} instead of {_seconds(self.before.duration)}"
-        return f"{self.change}: {self.effect}, {times}" + (f", then limited by {then}" if then else "")
+        return "; ".join(filter(None, self.row))
+
+    @property
+    def row(self) -> tuple[str, str, str, str]:
+        """Texts of a table: the change, its effect, the duration, what limits it then or why it cannot be played."""
+        then = first_names(self.after.limits, MOST_NAMED) or self.after.reason
+        return str(self.change), self.effect, _seconds(self.after.duration), then
 
     @property
     def faster(self) -> float:
@@ -156,14 +158,9 @@ class WhatIf(InNotebooks):
         matter = [one for one in self.changes if one.matters]
         gains, lost = [one for one in matter if one.faster > 1], [one for one in matter if one.after.duration is None]
         losses = [one for one in reversed(matter) if one.faster < 1 and one.after.duration is not None]
-        rows = [
-            (str(one.change), one.effect, _seconds(one.after.duration),
-             first_names(one.after.limits, MOST_NAMED) or one.after.reason)
-            for group, most in ((gains, MOST_GAINS), (losses, MOST_LOSSES), (lost, MOST_LOSSES))
-            for one in group[:most]
-        ]  # fmt: skip
-        if rows:
-            yield NotebookTable(("change", "effect", "duration", "then limited by"), rows)
+        shown = [*gains[:MOST_GAINS], *losses[:MOST_LOSSES], *lost[:MOST_LOSSES]]
+        if shown:
+            yield NotebookTable(("change", "effect", "duration", "then limited by"), [one.row for one in shown])
 
     def _others(self) -> str:
         """How many changes matter less than those of the table, and what does nothing, counted by kind."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, require_extra
 from mrts.plots.card import Card
-from mrts.scaling.limit_use import LimitedQuantities
+from mrts.program.rate_limits import RateLimits
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Warn, drawn_arms
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
@@ -73,12 +73,12 @@ Frame = NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion that is played, what is said of it, and its rates."""
+    """A motion that is played, what is said of it, and rates that it keeps."""
 
     title: str
     trajectory: ScaledTrajectory
     card: Card
-    rates: LimitedQuantities | None = None
+    rates: RateLimits | None = None
 
     @cached_property
     def scene(self) -> Scene:

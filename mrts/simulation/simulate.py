@@ -20,7 +20,7 @@ from mrts.limits.rows import RowName
 from mrts.override.plan_nodes import resting_trajectory, trajectory_of
 from mrts.override.speed_override import SpeedOverride, commanded, wanted_at_ticks
 from mrts.program.rate_limits import Rates
-from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses
+from mrts.scaling.limit_use import LimitUse
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.simulation.controller import Controller, PlantErrors
@@ -426,7 +426,7 @@ def _tried(
 def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:
     """Of all limits that a cell keeps, and of power, in the order of its rows."""
     kept = done.cell.enforces_velocity_limits
-    uses = (*limit_uses(done), *power_uses(done))
+    uses = (*done.limit_uses, *done.power_uses)
     return [use for use in uses if kept or use.name.kind != "velocity"]
 
 

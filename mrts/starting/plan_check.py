@@ -26,10 +26,8 @@ from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved, without_unmoved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import torque_weights, torques_by_blocks
-from mrts.scaling.limit_use import LimitedQuantities, LimitUse, by_share, limit_uses, limits_table, percent, rate_uses
-from mrts.scaling.options import Options
+from mrts.scaling.limit_use import LimitedQuantities, LimitUse, by_share, limits_table
 from mrts.scaling.remarks import overload_remarks
-from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory, least_wrenches
 from mrts.simulation.plan_file import read_plan
 
@@ -108,11 +106,9 @@ class PlanCheck(JsonOutput):
         """What came of it, in a line."""
         if self.status == "fine":
             nearest = self.uses[0]
-            return (
-                f"{self.plan.name}: keeps every limit of {self.cell}; nearest is {nearest.name} at {percent(nearest)}"
-            )
+            return f"{self.plan.name}: keeps every limit of {self.cell}; nearest is {nearest.name} at {nearest.percent}"
         passed = f"passes {len(self.passed)} of {len(self.uses)} limits of {self.cell}"
-        worst = f": at worst {self.passed[0].name}, {percent(self.passed[0])}" if self.passed else ""
+        worst = f": at worst {self.passed[0].name}, {self.passed[0].percent}" if self.passed else ""
         broken = "contradicts itself" if self.contradictions else ""
         return f"{self.plan.name}: {' and '.join(filter(None, [broken, passed * bool(self.passed)]))}{worst}"
 
@@ -191,7 +187,7 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
     moving = time[kept], given["q"][kept], dq[kept], ddq[kept]
     near, said = clearance_remarks(cell, at_rows)
     uses = [
-        *limit_uses(done),
+        *done.limit_uses,
         *_rates(cell, at_rows, torque[rows], wrench[rows], only_jerk="tau" not in given),
         *_positions(cell, at, motion.q),
         *gaps,
@@ -304,8 +300,7 @@ def _rates(cell: Cell, at_rows: CoordinatedMotion, torque: Array, wrench: Array,
     travel = np.stack([[start, *before[1:-1], end], [start, *after[1:-1], end]])
     at_rows = replace(at_rows, travel=travel)
     done = ScaledTrajectory(cell, at_rows, 1.0, torque, wrench)
-    result = ScalingResult(cell, at_rows, None, 1.0, done, options=Options(load="nominal", between=None))
-    return [use for use in rate_uses(result) if use.name.kind == "jerk" or not only_jerk]
+    return [use for use in done.limited_rates().uses(done.time) if use.name.kind == "jerk" or not only_jerk]
 
 
 def _positions(cell: Cell, at: Array, q: Array) -> list[LimitUse]:

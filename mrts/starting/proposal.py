@@ -134,7 +134,7 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal:
 def _c2(result: ScalingResult, least: float) -> float:
     """The largest c², which must be more than the least."""
     end = result.range.upper
-    if result.trajectory is None or end is None or not end.c2 > least:
+    if result.trajectory is None or not end.c2 > least:
         raise MotionError(result.explanation() or result.sentence())
     return end.c2
 

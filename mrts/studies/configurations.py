@@ -206,6 +206,6 @@ def outcome(configuration: Configuration) -> str:
     found = configuration.range
     if not found.status.admits_motion:
         return f"{found.status.value}: {found.reason()}"
-    if found.upper is None or found.upper.time is None:
+    if found.upper.time is None:
         return str(found.status.value)
     return f"t = {found.upper.time:.3g} s: {row_labels(found.upper.rows)}"

@@ -168,8 +168,7 @@ class Placement:
         if after is None:
             return
         for word, layout in (("limited", after), ("before", before)):
-            end = None if layout is None else layout.result.range.upper
-            if end is not None and end.time is not None:
+            if layout is not None and (end := layout.result.range.upper).time is not None:
                 yield f"{word} {end.place()}"
         yield ""
         rows = [("what may move", "before", "after", "")]

@@ -31,8 +31,8 @@ from mrts.motion.joint_table import NO_SPEED, JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
-from mrts.scaling.loads import mass_grid
 from mrts.scaling.options import Options, limited_cell
+from mrts.scaling.range import mass_grid
 from mrts.studies.parameters import MAX_VARIANTS, Parameter, SampleName, read_parameters, sample_points
 
 

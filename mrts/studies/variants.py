@@ -152,7 +152,7 @@ def range_row(found: ScalingRange, given_duration: float) -> Row:
     if found.status is not RangeStatus.FEASIBLE:
         row["reason"] = found.explain() or found.status.advice
     lower, upper = found.lower, found.upper
-    if not found.status.admits_motion or lower is None or upper is None:
+    if not found.status.admits_motion:
         return row
     row["c2_lower"] = lower.c2
     if lower.c2 > 0 and lower.time is not None:
@@ -442,7 +442,7 @@ def _infeasible_row(record: np.void, time: Array, rows: list[ActiveRow]) -> Row:
 def _range_row(record: np.void, time: Array, rows: Sequence[list[ActiveRow]]) -> Row:
     (low, high), samples = record["c2"].tolist(), record["sample"].tolist()
     lower, upper = (
-        RangeEnd(c2, sample, float(time[sample]), tuple(bound)) if limited else RangeEnd(c2, None, None)
+        RangeEnd(c2, sample, float(time[sample]), tuple(bound)) if limited else RangeEnd(c2)
         for c2, limited, sample, bound in zip((low, high), (low > 0, np.isfinite(high)), samples, rows, strict=True)
     )
     return range_row(range_between(lower, upper, NO_SAMPLES), float(time[-1]))

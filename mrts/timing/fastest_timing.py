@@ -18,7 +18,7 @@ from mrts.limits.rows import RowName, rows_text
 from mrts.program.infeasibility import Conflict, conflicts_at, find_conflicts
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
-from mrts.scaling.loads import effective_parameters
+from mrts.scaling.range import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion
 from mrts.timing.fastest_profile import (
     Obstacle,
@@ -156,7 +156,7 @@ class _Search:
             return TimedPiece(piece=self.piece, x=profile.x, rates=rates, profile=profile)
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
         upper = best_factor(self.asked.cell, self.asked.given, self.asked.options).range.upper
-        why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."
+        why += "." if upper.time is None else f"; c² is limited {upper.place()}."
         return RetimingStatus.STANDSTILL, why, None
 
     def _explained(self, obstacle: Obstacle) -> _Reason:

@@ -348,6 +348,4 @@ def best_factor(cell: Cell, motion: CoordinatedMotion, options: Options) -> Scal
     try:
         return chosen_factor(cell, motion, options)[0]
     except SelectionError as error:
-        if error.result is None:
-            raise
         return error.result

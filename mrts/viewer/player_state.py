@@ -7,7 +7,7 @@ stands or along a motion out of reach.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil, floor, isfinite, log10, sqrt
+from math import ceil, floor, inf, isfinite, log10, sqrt
 from typing import Any, Literal
 
 import numpy as np
@@ -27,11 +27,11 @@ from mrts.program.rate_limits import Rates
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import motion_torques, torque_weights, torques_by_blocks
-from mrts.scaling.limit_use import LimitUse, by_share, limit_uses
+from mrts.scaling.limit_use import LimitUse, by_share
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
-from mrts.scaling.scale import SelectionError, conflict_at, scale
+from mrts.scaling.scale import SelectionError, admitted_factor, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.scene import Scene
 from mrts.timing.result import RetimingResult
@@ -79,7 +79,7 @@ class Speeds:
 
 def offered_speeds(found: ScalingRange) -> Speeds:
     """Speeds to slightly beyond both ends of a range of c²; without an admissible one c = 1 is the first choice."""
-    both = [end.c2 for end in (found.lower, found.upper) if end is not None]
+    both = found.lower.c2, found.upper.c2
     ends = [c2 for c2 in both if isfinite(c2) and c2 > 0]
     of_ends, moves = [sqrt(c2) for c2 in ends], found.status.admits_motion and both[1] > 0
     start, most = 1.0, FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
@@ -88,7 +88,7 @@ def offered_speeds(found: ScalingRange) -> Speeds:
     elif moves:
         start = max(1.0, sqrt(both[0]))
     upper = max([most, *(BEYOND * c for c in of_ends)])
-    stands = not both or both[0] <= 0 or found.samples.several
+    stands = not 0 < both[0] < inf or found.samples.several
     lower = SLOWEST * upper if stands else min([start, *of_ends]) / BEYOND
     digits = max(0, -floor(log10((upper - lower) / STEPS)))
     steps = 10.0**digits
@@ -171,11 +171,11 @@ class PlayerState:
     @property
     def admissible(self) -> bool:
         """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
-        return self.plan is self.found or _admits(self.result, self.trajectory.c2)
+        return self.plan is self.found or admitted_factor(self.result, self.trajectory.c2) is not None
 
     def violations(self) -> list[LimitUse]:
         """Limits that are passed at some sample, the worst first."""
-        return [use for use in by_share(limit_uses(self.trajectory)) if use.share > 1 + LIMIT_TOLERANCE]
+        return [use for use in by_share(self.trajectory.limit_uses) if use.share > 1 + LIMIT_TOLERANCE]
 
 
 def play(
@@ -191,8 +191,6 @@ def play(
         try:
             found = scale(cell, motion, **asked)
         except SelectionError as error:  # it can only hold still, or c = 1 is too slow where nothing is too fast
-            if error.result is None:
-                raise
             found = error.result
     else:
         found = retime(cell, motion, rates=rates if profile == "smooth" else False, **asked)
@@ -208,18 +206,11 @@ def played_result(found: ScalingResult | RetimingResult) -> ScalingResult:
     return found if isinstance(found, ScalingResult) else found.retimed or found.factor
 
 
-def _admits(result: ScalingResult, c2: float) -> bool:
-    found = result.range
-    if found.lower is None or not found.status.admits_motion or c2 >= found.lower.c2:
-        return found.admitted(c2, 0.0) is not None
-    return conflict_at(result, c2) is None
-
-
 def _trajectory(result: ScalingResult, c2: float) -> ScaledTrajectory:
     cell, motion, options, done = result.cell, result.motion, result.options, result.trajectory
     if done is not None and done.c2 == c2:
         return done
-    if not _admits(result, c2):
+    if admitted_factor(result, c2) is None:
         torque, wrench = widened_torques(cell, motion, options, c2)
     else:
         rows, weights = options.rows(cell, motion), torque_weights(options.weights, cell)

@@ -162,7 +162,7 @@ def test_mistakes_in_the_urdf(old, new, said, files, capsys):
 
 def test_a_refused_speed_still_writes_the_range(files, capsys, tmp_path):
     message = run(capsys, files, "--c2", "7", "--json", tmp_path / "range.json")
-    assert "outside the admissible range [0, 3.06181]" in message
+    assert "c² ∈ [0, 3.06181]" in message
     saved = yaml.safe_load((tmp_path / "range.json").read_text())
     assert saved["c2"]["upper"] == pytest.approx(3.0618125)
     assert "selected" not in saved

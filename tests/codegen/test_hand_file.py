@@ -115,7 +115,7 @@ def test_tip_axes_of_a_planar_cell_are_those_in_its_plane(tmp_path):
     ours, theirs = mrts.scale(turned, lift), mrts.scale(straight, lift)
     assert ours.range.upper.c2 == pytest.approx(theirs.range.upper.c2, rel=1e-9)
     np.testing.assert_allclose(ours.trajectory.torque, theirs.trajectory.torque, atol=1e-6)
-    assert max(use.share for use in ours.limit_uses if use.name.kind == "contact") > 0.99
+    assert max(use.share for use in ours.trajectory.limit_uses if use.name.kind == "contact") > 0.99
     change = {"urdf": tilted(tmp_path, "0.3 0 0"), "tip_link": "turned", "wrench": {}}
     askew = {"xyz": [-1.1, 0, 0], "rpy": [0.3, 0, 0]}
     with pytest.raises(mrts.InputError, match="one must be normal to the plane"):

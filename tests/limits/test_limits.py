@@ -191,8 +191,8 @@ WRONG_ROWS = {
         "square: must be real numbers of shape (101, 2)",
     ),
     "names": (lambda rows: replace(rows, names=rows.names[:1]), "lower: must be real numbers of shape (1,)"),
-    "a number": (lambda rows: replace(rows, lower=-2.0), "lower: must be real numbers of shape (2,): (r,)"),
-    "NaN": (lambda rows: replace(rows, upper=np.array([2.0, np.nan])), "upper: object/y acceleration: may not be NaN"),
+    "a number": (lambda rows: replace(rows, lower=-2.0), "lower: must be real numbers of shape (2,)"),
+    "NaN": (lambda rows: replace(rows, upper=np.array([2.0, np.nan])), "upper: object/y acceleration: must be finite"),
     "infinite": (
         lambda rows: replace(rows, square=np.where(np.arange(101)[:, None] == 50, np.inf, rows.square)),
         "square: object/x acceleration at sample 50: must be finite",

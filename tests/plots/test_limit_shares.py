@@ -15,7 +15,6 @@ from mrts.plots.card import MOST_BARS, answer_card, answer_lines
 from mrts.plots.plot import value_ends
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
 from mrts.plots.trajectory_plots import limit_shares
-from mrts.scaling.limit_use import all_quantities, limited_quantities, rate_uses
 
 pytestmark = pytest.mark.quick
 
@@ -32,7 +31,7 @@ def test_limits_of_the_torque_are_what_the_curve_gives_where_the_motor_drives(pl
     motors = replace(planar_cell.robots[0].motors, torque_speed=(CURVE, CURVE, None))
     result = mrts.scale(with_left(planar_cell, motors=motors), lift)
     done = result.trajectory
-    torques = limited_quantities(result, "torque", "left")
+    torques = done.quantities.of("torque", "left")
     for j, plain in enumerate(result.cell.robots[0].torque_upper[:2]):
         dq = done.dq[:, j]
         forward = np.minimum(plain, np.where(dq > 0, largest(dq), plain))
@@ -69,7 +68,7 @@ def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):
     assert durations == f"{turned.duration:.4g} s (given 0.8 s)"
     assert limit.startswith("limited by right/wrist_2_turn velocity (3.14159 rad/s), at ")
     assert float(limit.split()[-2]) == pytest.approx(end.time / np.sqrt(end.c2), rel=1e-3)
-    used = all_quantities(turned.trajectory).limited
+    used = turned.trajectory.quantities.limited
     largest = np.sort(np.max(used.share, axis=0))[::-1][:MOST_BARS]
     assert [bar.share for bar in card.bars] == pytest.approx(largest.tolist())
     assert [bar.nearness for bar in card.bars] == ["reached", "near", "near", "free", "free"]
@@ -94,7 +93,7 @@ def test_of_rates_that_pass_their_limits_the_worst_is_told_with_its_moment(dual_
     rate = np.array([100.0, 100.0, 100.0, 3.0, 20.0, 10.0])
     robots = [replace(robot, motors=replace(robot.motors, torque_rate=rate)) for robot in dual_ur5.robots]
     found = mrts.scale(replace(dual_ur5, robots=tuple(robots)), lift_and_turn)
-    worst, *_ = rate_uses(found)
+    worst, *_ = found.rate_uses
     told = [bar for bar in answer_card(found).bars if bar.label.endswith("torque rate")]
     assert worst.share > 1.1
     assert [told[0].label, told[0].share, told[0].time] == [str(worst.name), pytest.approx(worst.share), worst.time]

@@ -13,7 +13,6 @@ from mrts.cell.motors import JointMotors
 from mrts.cli import main
 from mrts.program.rate_limits import given_rate_limits, rate_limits
 from mrts.scaling.constant_rates import RATE_MARGIN
-from mrts.scaling.limit_use import rate_uses
 
 pytestmark = pytest.mark.quick
 
@@ -72,7 +71,7 @@ def with_all_rates(cell):
 def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, lift, lifted):
     reported = mrts.scale(with_all_rates(planar_cell), lift)
     assert reported.trajectory.c2 == lifted.trajectory.c2
-    uses = {(use.name.kind, use.name.element): use for use in rate_uses(reported) if use.name.robot == "left"}
+    uses = {(use.name.kind, use.name.element): use for use in reported.rate_uses if use.name.robot == "left"}
     done, duty = reported.trajectory, reported.trajectory.duty["left"]
     rates = np.abs(np.diff(done.torque[:, 0])) / np.diff(done.time)
     shoulder = uses["torque rate", "shoulder"]
@@ -86,7 +85,7 @@ def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, l
     assert f"{worst.name} reaches {worst.size:.4g} {worst.name.unit}" in warning.text
     kept = mrts.scale(with_all_rates(planar_cell), lift, rates=True)
     assert kept.trajectory.c2 < done.c2
-    assert rate_uses(kept)[0].share == pytest.approx(1, abs=2 * RATE_MARGIN)
+    assert kept.rate_uses[0].share == pytest.approx(1, abs=2 * RATE_MARGIN)
     assert [one.code for one in kept.warnings] == ["step-at-ends"]
     listed = {row[0] for row in kept.limits_table().rows}
-    assert listed >= {str(use.name) for use in rate_uses(kept)}
+    assert listed >= {str(use.name) for use in kept.rate_uses}

@@ -21,7 +21,6 @@ from mrts.program.rate_limits import rate_limits
 from mrts.program.reserve import SHARE_MARGIN
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.constant_rates import RatedFactors
-from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.range import RangeEnd
 
 FREE = np.inf, np.inf
@@ -62,7 +61,7 @@ def pushed(tmp_path):
 
 
 def shares(result):
-    return {use.name.kind: use.share for use in reversed(rate_uses(result))}
+    return {use.name.kind: use.share for use in reversed(result.rate_uses)}
 
 
 CLOSED = {
@@ -223,7 +222,7 @@ def test_random_cells_against_an_independent_program(seed, tmp_path):
     c = result.trajectory.c
     assert c < free.trajectory.c
     assert oracle.excess(c * (1 - BISECTED)) < 0 < oracle.excess(c * (1 + BISECTED))
-    assert all(use.share <= 1 + KEPT for use in rate_uses(result))
+    assert all(use.share <= 1 + KEPT for use in result.rate_uses)
     assert result.range.upper.rows
     residuals = result.residuals()
     assert max(residuals.arms, residuals.object) < 1e-7 * np.max(np.abs(result.trajectory.torque))
@@ -252,7 +251,7 @@ def test_least_shares_within_rates_against_an_independent_program(seed, tmp_path
     assert wide @ np.sum((torque @ weights) * torque, axis=1) == pytest.approx(
         oracle.effort(c, used, weights), rel=EFFORT
     )
-    assert all(use.share <= 1 + KEPT for use in rate_uses(kept))
+    assert all(use.share <= 1 + KEPT for use in kept.rate_uses)
     print("∫ s² dt", wide @ used**2, "without rates", wide @ largest_shares(by_sample) ** 2)
 
 

@@ -72,7 +72,7 @@ def test_closed_form_on_gantries(tmp_path):
     assert result.reserve.share == pytest.approx(0.75, abs=FORMULAS)
     shrunk = mrts.scale(cell, motion, reserve=0.1)
     assert shrunk.range.upper.c2 == pytest.approx(0.9 * fastest, rel=FORMULAS)
-    assert max(use.share for use in shrunk.limit_uses) == pytest.approx(0.9, abs=ROUNDING)
+    assert max(use.share for use in shrunk.trajectory.limit_uses) == pytest.approx(0.9, abs=ROUNDING)
     assert "with 10 % of every limit in reserve, c² ∈" in shrunk.sentence()
     quick = gantries(tmp_path, velocity=1.0)
     assert mrts.scale(quick, motion, reserve=0.1).range.upper.c2 == pytest.approx(

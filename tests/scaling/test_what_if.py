@@ -102,7 +102,7 @@ def test_a_limit_that_binds_alone_in_closed_form(tmp_path):
     assert found["near/slide_x +10 %"].after.c2 == pytest.approx(c2 * (1 + 2.0 / total))
     assert found["far/slide_x -10 %"].after.c2 == pytest.approx(c2 * (1 - 2.0 / total))
     assert found["mass -10 %"].after.duration == pytest.approx(1 / np.sqrt(c2 * heaviest / (heaviest - 0.3)))
-    assert str(found["far/slide_x +10 %"]).startswith("far/slide_x +10 %: time -2.41 %, 1.77")
+    assert str(found["far/slide_x +10 %"]).startswith("far/slide_x +10 %; time -2.41 %; 1.77")
     assert not found["object/linear velocity +10 %"].matters
 
 
@@ -127,7 +127,7 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
     lost = found["mass +80 %"]
     assert lost.after.status == "infeasible"
     told = "at 20 of 101 samples; at t = 0 s left/elbow ↑, right/elbow ↓, left/fx ↑ and 1 more conflict"
-    assert str(lost) == f"mass +80 %: infeasible: {told}"
+    assert str(lost) == f"mass +80 %; infeasible; cannot be played; {told}"
     far = found["left base y -900 mm"]
     assert far.after.status == "unreachable"
     assert "robot 'left'" in far.after.reason

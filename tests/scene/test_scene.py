@@ -110,7 +110,7 @@ def test_the_joint_that_decides_stands_out(dual_ur5, turned):
     assert (found.name, found.sample) == (row.name, turned.range.upper.sample)
     assert found.share == pytest.approx(1.0)
     slow = mrts.scale(dual_ur5, turned.motion.object, 1.0)
-    assert answer_card(slow).deciding.share == pytest.approx(max(use.share for use in slow.limit_uses))
+    assert answer_card(slow).deciding.share == pytest.approx(max(use.share for use in slow.trajectory.limit_uses))
     left, right = drawn_arms(dual_ur5, pytest.fail)
     assert [found.body(robot) for robot in dual_ur5.robots] == [None, 5]
     assert {part.body for part in right if part.colour(5) == OVER_LIMIT} == {5}

@@ -49,7 +49,7 @@ def test_a_plan_of_mrts_is_fine_and_uses_its_limits_as_the_result_says(turned, d
     found = mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", plan))
     assert (found.status, found.given, found.contradictions) == ("fine", PARTS, ())
     ours = {use.name: use for use in found.uses}
-    for use in turned.limit_uses:
+    for use in turned.trajectory.limit_uses:
         assert ours[use.name].share >= use.share - SAME
         assert ours[use.name].share <= use.share + BETWEEN
     assert share(found, "torque residual") < SAME
@@ -81,7 +81,7 @@ def test_positions_alone_are_played_on_a_cubic_spline(turned, dual_ur5, plan, tm
     assert slow.status == "fine"
     assert [use.name.kind for use in fast.passed] == ["velocity"]
     assert fast.passed[0].share == pytest.approx(1.3 * share(slow, "velocity"), rel=SAME)
-    limit, _ = max((use.share, use) for use in turned.limit_uses if use.name.kind == "velocity")
+    limit, _ = max((use.share, use) for use in turned.trajectory.limit_uses if use.name.kind == "velocity")
     assert fast.passed[0].share == pytest.approx(1.3 * limit, abs=BETWEEN)
 
 

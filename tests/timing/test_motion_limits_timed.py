@@ -52,7 +52,7 @@ def test_smooth_timing_keeps_norms_themselves(dual_ur5, lift_and_turn, monkeypat
     played = best.retimed.motion
     size = np.linalg.norm(object_point(played, CORNER)[1], axis=1)
     assert MOST * (1 - 2e-5) < np.max(size) <= MOST
-    use = next(use for use in best.retimed.limit_uses if use.name.element == "corner")
+    use = next(use for use in best.retimed.trajectory.limit_uses if use.name.element == "corner")
     assert use.largest == pytest.approx(np.max(size), rel=ROUNDING)
     assert use.share == pytest.approx(np.max(size) / MOST, rel=ROUNDING)
 

@@ -15,7 +15,6 @@ import mrts
 from mrts.collisions.bodies import tip_at_posture
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.plots.plot import Line
-from mrts.scaling.limit_use import all_quantities
 from mrts.viewer import workbench
 from mrts.viewer.panel import held_html
 from mrts.viewer.time_plots import time_panels
@@ -95,7 +94,7 @@ def test_a_motion_is_played_in_closed_loop_when_asked(planar):
         panel = time_panels(answer.state.played, answer.simulation)["In closed loop"]
         lines = [item for item in panel.items if isinstance(item, Line)]
         during = found.played.time <= found.plan.duration
-        most = np.max(all_quantities(found.played).limited.share[during])
+        most = np.max(found.played.quantities.limited.share[during])
         assert max(np.max(line.y) for line in lines) == pytest.approx(100 * most)
     bench.edit(Choices())
     assert answered(bench).simulation is None

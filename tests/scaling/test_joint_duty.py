@@ -9,38 +9,39 @@ from changed_robots import with_left
 from scipy.interpolate import make_interp_spline
 
 import mrts
-from mrts.cell.motors import joint_duty
 from mrts.following.coordinate import coordinate
+from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.output.trajectory_table import trajectory_columns, trajectory_csv
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 pytestmark = pytest.mark.quick
 
 
-def duty_of(time, torque, dq=None, ddq=None, **known):
-    """One joint with these motors."""
-    still = np.zeros_like(torque)
-    motors = replace(mrts.JointMotors.unknown(1), **{name: np.array([value]) for name, value in known.items()})
-    return joint_duty(
-        motors,
-        time,
-        (still if dq is None else dq)[:, None],
-        (still if ddq is None else ddq)[:, None],
-        torque[:, None],
-        torque_share=np.abs(torque[:, None]) / 10,
-        velocity_limit=np.array([4.0]),
+def duty_of(cell, time, torque, dq=0.0, ddq=0.0, **known):
+    """The first joint of a cell, all others at rest without torques."""
+    motors = replace(mrts.JointMotors.unknown(3), **{name: np.full(3, value) for name, value in known.items()})
+    limits = {"torque_lower": np.full(3, -10.0), "torque_upper": np.full(3, 10.0), "velocity_limit": np.full(3, 4.0)}
+    still, first = np.zeros((len(time), 6)), np.eye(6)[0]
+    carried = mrts.ObjectMotion(time, still[:, :3], np.tile(np.eye(3), (len(time), 1, 1)), still, still)
+    motion = unchecked_coordinated_motion(
+        carried, still, still + np.outer(dq, first), still + np.outer(ddq, first), None
     )
+    done = ScaledTrajectory(with_left(cell, motors=motors, **limits), motion, 1.0, np.outer(torque, first), still)
+    return done.duty["left"]
 
 
-def test_root_mean_square_of_a_line_and_of_a_sine():
+def test_root_mean_square_of_a_line_and_of_a_sine(planar_cell):
     time = np.array([0.0, 0.5, 0.6, 3.0])  # steps of any length
-    ramp = duty_of(time, 6.0 * time / 3.0, rated=3.0)
+    ramp = duty_of(planar_cell, time, 6.0 * time / 3.0, rated=3.0)
     assert ramp.rms_torque[0] == pytest.approx(6.0 / np.sqrt(3), rel=1e-14)  # ∫ of a square along a line, exactly
     assert ramp.rated_share[0] == pytest.approx(2.0 / np.sqrt(3), rel=1e-14)
     assert ramp.peak_torque[0] == 6.0
     assert ramp.torque_share[0] == pytest.approx(0.6)
     assert ramp.torque_rate[0] == pytest.approx(2.0, rel=1e-14)
     fine = np.linspace(0, 2 * np.pi, 20001)
-    sine = duty_of(fine, 5.0 * np.sin(fine), dq=3.0 * np.sin(fine), ddq=3.0 * np.cos(fine), jerk=1.5, torque_rate=10.0)
+    sine = duty_of(
+        planar_cell, fine, 5.0 * np.sin(fine), dq=3.0 * np.sin(fine), ddq=3.0 * np.cos(fine), jerk=1.5, torque_rate=10.0
+    )
     assert sine.rms_torque[0] == pytest.approx(5.0 / np.sqrt(2), rel=1e-7)  # lines between 20000 samples
     assert sine.drive_power[0] == pytest.approx(15.0, rel=1e-7)
     assert sine.brake_power[0] == 0.0
