@@ -354,7 +354,8 @@ def _passed(problem: SampleProblem, lower: Array, upper: Array) -> tuple[Array, 
     if problem.unknowns == 2:  # noqa: PLR2004 (u and x)
         beyond = np.maximum(lower, -upper)
         return np.maximum(np.max(beyond, axis=1, initial=0.0), 0.0), beyond
-    return least_widening(problem.A[:, :, :-2], lower, upper)
+    passed, dual = least_widening(problem.A[:, :, :-2], lower, upper)
+    return passed, dual.sum(axis=0)
 
 
 def _hardest(limits: _Limits, end: int, sign: float) -> tuple[Array, NDArray[np.intp]]:

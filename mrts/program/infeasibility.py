@@ -102,10 +102,10 @@ def find_conflicts(problem: SampleProblem, time: Array) -> list[Conflict | None]
         found = zip(conflicts_at(problem, best, time), best.tolist(), strict=True)
         return [conflict and replace(conflict, c2=c2) for conflict, c2 in found]
     limits, unit = (problem.A, problem.lower, problem.upper, problem.is_limit), problem.unit
-    widening, row_dual = least_widening(*limits, solver=problem.solver, least_last=0.0)
+    widening, dual = least_widening(*limits, solver=problem.solver, least_last=0.0)
     conflicts: list[Conflict | None] = []
     for sample in range(problem.samples):
-        sides = _crossed(problem, sample) or _certified(problem, sample, row_dual[sample])
+        sides = _certified(problem, sample, dual[:, sample])
         if not sides:
             conflicts.append(None)
             continue
@@ -150,44 +150,32 @@ def closest_speed(problem: SampleProblem) -> Array:
 
 
 def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:
-    """Check a Farkas certificate, multipliers y of a sample's rows, Shape (r,), by substitution.
+    """Check a Farkas certificate, multipliers y of a sample's rows, Shape (r,) or (2, r), by substitution.
 
     For every x with c² >= 0 the rows give yᵀA x <= Σ_{y>0} y upper + Σ_{y<0} y lower. If yᵀA is zero on the free
-    unknowns and >= 0 on c², the left side is >= 0; a negative right side then proves infeasibility.
+    unknowns and >= 0 on c², the left side is >= 0; a negative right side then proves infeasibility. A row has two
+    where its own sides cross, as a reserve, or friction in both directions, leaves less than nothing between them.
 
     Returns:
         The right side, relative to Σ |y|, and the largest error of the left side, each column relative to Σ |y|
         times its largest coefficient.
     """
     terms = np.sum(np.abs(y)) * np.max(np.abs(problem.A[index]), axis=0)
-    combined = (y @ problem.A[index]) / np.where(terms > 0, terms, 1.0)
+    combined = (np.atleast_2d(y).sum(axis=0) @ problem.A[index]) / np.where(terms > 0, terms, 1.0)
     error = max(float(np.max(np.abs(combined[:-1]), initial=0.0)), 0.0, -float(combined[-1]))
     limit = np.where(y > 0, problem.upper[index], np.where(y < 0, problem.lower[index], 0.0))
     size = float(np.sum(np.abs(y) * problem.is_limit))
     return float(np.sum(y * limit)) / (size or 1.0), error
 
 
-def _crossed(problem: SampleProblem, index: int) -> list[tuple[int, float]]:
-    """Both sides of the row whose limits cross the most, each with its multiplier; nothing if none do.
-
-    They cross where a reserve or friction in both directions leaves less than nothing between them. Multipliers of one
-    row cancel in a sum over rows, so such a certificate is given by itself.
-    """
-    beyond = np.where(problem.is_limit, problem.lower[index] - problem.upper[index], -np.inf)
-    if not np.any(beyond > CERTIFICATE_TOLERANCE):
-        return []
-    row = int(np.argmax(beyond))
-    return [(row, -1.0), (row, 1.0)]
-
-
 def _certified(problem: SampleProblem, index: int, y: Array) -> list[tuple[int, float]]:
-    """The rows with their multipliers without rounding if they prove infeasibility; nothing if they do not."""
+    """Rows with multipliers, Shape (2, r), without rounding, if they prove infeasibility; nothing if they do not."""
     weight = np.abs(y) * np.maximum(np.max(np.abs(problem.A[index]), axis=1), problem.is_limit)
     y = np.where(weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0), y, 0.0)
     value, error = separation(problem, index, y)
     if not (value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE):
         return []
-    return [(row, float(y[row])) for row in np.flatnonzero(y).tolist()]
+    return [(row, float(y[side, row])) for row, side in np.argwhere(y.T).tolist()]
 
 
 def least_widening(
@@ -206,7 +194,8 @@ def least_widening(
     unknown is at least `least_last`, and s at least `least`: below 0 limits move inward.
 
     Returns:
-        Least s, Shape (N,), and multipliers of the rows, positive at an upper limit, Shape (N, r).
+        Least s, Shape (N,), and multipliers of the rows at their lower and upper limits, Shape (2, N, r); below 0 at
+        lower ones.
 
     Raises:
         SolverError: If no solver answers.
@@ -214,30 +203,24 @@ def least_widening(
     count, rows, unknowns = A.shape
     below, above = np.broadcast_to(np.asarray(sizes, dtype=np.float64), (2, rows))
     limits, laws = np.flatnonzero(below > 0), np.flatnonzero(below <= 0)
-    # each limit twice, once a side, as s moves them in opposite senses; laws once, as they are
-    order = np.concatenate([limits, limits, laws])
-    sense = np.repeat([-1.0, 1.0, 0.0], [len(limits), len(limits), len(laws)])
-    moved = sense * np.concatenate([above[limits], below[limits], np.ones(len(laws))])
-    moved = np.broadcast_to(moved[:, None], (count, len(order), 1))
-    g = np.zeros((count, unknowns + 1))
-    g[:, -1] = 1
-    bounds = np.full((count, unknowns + 1), -np.inf)
-    bounds[:, unknowns - 1 : unknowns], bounds[:, -1] = least_last, least
+    # each limit twice, its upper and its lower side, as s moves them in opposite senses; laws once, as they are
+    order, sides = np.concatenate([limits, limits, laws]), [len(limits), 2 * len(limits)]
+    at_upper, at_lower = slice(sides[0]), slice(*sides)
+    A, lower, upper = np.pad(A[:, order], ((0, 0), (0, 0), (0, 1))), lower[:, order], upper[:, order]
+    A[:, at_upper, -1], A[:, at_lower, -1] = -above[limits], below[limits]
+    lower[:, at_upper], upper[:, at_lower] = -np.inf, np.inf
+    g, x_lower = np.zeros((count, unknowns + 1)), np.full((count, unknowns + 1), -np.inf)
+    x_lower[:, unknowns - 1 : unknowns], x_lower[:, -1], g[:, -1] = least_last, least, 1.0
     programs = ConvexPrograms(
-        H=None,
-        g=g,
-        A=np.concatenate([A[:, order], moved], axis=2),
-        lower=np.where(sense < 0, -np.inf, lower[:, order]),
-        upper=np.where(sense > 0, np.inf, upper[:, order]),
-        x_lower=bounds,
-        x_upper=np.full_like(bounds, np.inf),
+        H=None, g=g, A=A, lower=lower, upper=upper, x_lower=x_lower, x_upper=np.full_like(g, np.inf)
     )
     answers = solve_programs(programs, solver)
     require_verified(answers)
-    row_dual = np.zeros((count, rows))
-    for column, row in enumerate(order):
-        row_dual[:, row] += answers.row_dual[:, column]
-    return answers.x[:, -1], row_dual
+    of_upper, of_lower, of_laws = np.split(answers.row_dual, sides, axis=1)
+    dual = np.zeros((2, count, rows))
+    dual[:, :, limits] = of_lower, of_upper
+    dual[:, :, laws] = np.minimum(of_laws, 0), np.maximum(of_laws, 0)
+    return answers.x[:, -1], dual
 
 
 def widening_at(problem: SampleProblem, c2: float | Array) -> Array:

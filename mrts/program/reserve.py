@@ -223,11 +223,11 @@ def _reserve(given: LimitRows, shares: Array, time: Array, start: int, load: Loa
     return Reserve(left if left > NO_RESERVE else 0.0, start + place, float(time[start + place]), tuple(rows), load)
 
 
-def _shares_moved(share: Array, row_dual: Array) -> Array:
+def _shares_moved(share: Array, dual: Array) -> Array:
     """Shares that rows with a multiplier have in every best distribution, minus infinity elsewhere, Shape (2, b, r)."""
-    strong = np.abs(row_dual) > BINDING_TOLERANCE * np.max(np.abs(row_dual), axis=1, keepdims=True, initial=0.0)
-    sides = np.stack([strong & (row_dual < 0), strong & (row_dual > 0)])
-    return np.where(sides, 1 + share[:, None], -np.inf)
+    size = np.abs(dual)
+    strong = size > BINDING_TOLERANCE * np.max(size, axis=(0, 2), keepdims=True, initial=0.0)
+    return np.where(strong, 1 + share[:, None], -np.inf)
 
 
 def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Array:
