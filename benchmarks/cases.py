@@ -14,7 +14,6 @@ import yaml
 import mrts
 from mrts.base.arrays import Array
 from mrts.following.coordinated_motion import carried_by_first
-from mrts.motion.motion_file import MotionDescription, sample_motion
 
 DATA = Path(str(files("mrts") / "data"))
 DUAL = DATA / "dual_ur5"
@@ -33,7 +32,7 @@ def shipped(name: str, samples: int, *, velocities: bool = False) -> tuple[mrts.
     cell = mrts.load_cell(DATA / name / "cell.yaml")
     cell = cell if velocities else cell.without_velocity_limits()
     description = yaml.safe_load((DATA / name / MOTIONS[name]).read_text(encoding="utf-8")) | {"samples": samples}
-    given = sample_motion(MotionDescription.model_validate(description))
+    given = mrts.load_motion(description)
     return cell, mrts.follow_object(cell, given)
 
 
@@ -69,7 +68,7 @@ def model_with_box(cell: mrts.Cell) -> Any:
 def one_arm_path(cell: mrts.Cell) -> Any:
     """Toppra's cubic spline through joint positions of the shipped lift, over their arc length."""
     description = yaml.safe_load((DUAL / MOTIONS["dual_ur5"]).read_text(encoding="utf-8")) | {"samples": WAYPOINTS}
-    q = mrts.follow_object(cell, sample_motion(MotionDescription.model_validate(description))).q
+    q = mrts.follow_object(cell, mrts.load_motion(description)).q
     least = np.max(np.ptp(q, axis=0)) / WAYPOINTS / 4  # a spline wants waypoints that differ
     kept = q[np.concatenate([[True], np.linalg.norm(np.diff(q, axis=0), axis=1) > least])]
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(kept, axis=0), axis=1))])
@@ -116,7 +115,7 @@ def straight_up(start: mrts.ObjectMotion, samples: int = 101) -> mrts.ObjectMoti
     description = {"duration": 0.5, "samples": samples, "profile": "quintic"}
     x, y, z = start.position[0].tolist()
     ends = {"start": {"xyz": [x, y, z]}, "end": {"xyz": [x, y, z + 0.05]}}
-    return sample_motion(MotionDescription.model_validate(description | ends))
+    return mrts.load_motion(description | ends)
 
 
 def stretched(motion: mrts.CoordinatedMotion, samples: int) -> mrts.CoordinatedMotion:

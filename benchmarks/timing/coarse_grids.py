@@ -27,7 +27,6 @@ import mrts
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.motion.joint_table import JointTable
-from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.timing.path_pieces import PathError, path_pieces
 from mrts.timing.retimed_motion import TimedPiece
@@ -204,7 +203,7 @@ def through_waypoints(cell: mrts.Cell, model: Any, seed: int) -> tuple[ArmPath, 
     given: dict[str, Any] = {"waypoints": poses, "duration": LAST, "profile": "quintic"}
 
     def followed(samples: int) -> mrts.CoordinatedMotion:
-        return mrts.follow_object(cell, sample_motion(MotionDescription.model_validate(given | {"samples": samples})))
+        return mrts.follow_object(cell, mrts.load_motion(given | {"samples": samples}))
 
     try:
         fine, motion = followed(len(FINE)), followed(POINTS)

@@ -462,8 +462,9 @@ def fit_joint(
 ) -> tuple[dict[str, NDArray[Any]], float, Array, float]:
     """Least squares of effort - τ_rb = I_a q̈ + τ_c sign(q̇) + b q̇ + offset, with I_a, τ_c, b >= 0.
 
-    Variances come from the residuals without the bounds: the larger of the two that ordinary least squares and Newey and West (1987)
-    give, who let residuals depend on the motion and on each other along time (`used` says where blocks are missing).
+    Variances come from the residuals without the bounds: the larger of the two that ordinary least squares and Newey
+    and West (1987) give, who let residuals depend on the motion and on each other along time (`used` says where blocks
+    are missing).
 
     Args:
         columns: q̈, sign(q̇), q̇ of B blocks along time, Shape (B, 3).

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from mrts.base.errors import InputError, as_path, check_type
+from mrts.base.errors import InputError, as_path
 from mrts.base.formats.record import Pose, Record, Rule
 from mrts.base.input_file import plain
 from mrts.motion.csv_motion import MAX_SAMPLES, read_table
@@ -78,12 +78,6 @@ class MotionDescription(Record):
     topic: str | None = None
     trajectory: Annotated[int, Rule(ge=0, le=MOST_TRAJECTORIES)] | None = None
 
-    def __init__(self, **keys: Any) -> None:
-        try:
-            super().__init__(**keys)
-        except InputError as error:
-            raise error.inside("motion") from None
-
     def problem(self) -> str:
         """The rule that keys break with each other; empty if none."""
         given = {key for key, value in self if value is not None} - {"samples"}
@@ -146,7 +140,7 @@ def _read(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
                 raise InputError(path, f"is of a ROS 2 bag, but {description.joints} is none.", key=key)
         return read_table(joints, description.samples, "joints")
     try:
-        return sample_motion(description)
+        return _sampled(description)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
 
@@ -164,15 +158,9 @@ def described_motion(path: Path | str) -> MotionDescription | None:
     return description if description.profile is not None else None
 
 
-def sample_motion(description: MotionDescription) -> ObjectMotion:
-    """Samples of a motion from pose to pose or through waypoints.
-
-    Raises:
-        InputError: If the motion is a table, which `load_motion` reads, or two waypoints are the same.
-    """
-    check_type("description", description, MotionDescription)
-    if description.profile is None or description.duration is None:
-        raise InputError("description", "is that of a table; read it with load_motion.")
+def _sampled(description: MotionDescription) -> ObjectMotion:
+    """Samples of a motion from pose to pose or through waypoints."""
+    assert description.profile is not None and description.duration is not None  # noqa: S101, PT018 (no table)
     poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
     through = np.array([pose.xyz for pose in poses]), np.array([pose.rotation() for pose in poses])
     rates = waypoint_rates(*through) if description.waypoints else partial(geodesic_rates, *through)

@@ -11,18 +11,18 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError, MotionError
-from mrts.base.formats.record import Pose
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.motors import EFFECTS
 from mrts.cell.points import PointLimit
 from mrts.collisions.bodies import tip_at_posture
-from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.following.coordinate import coordinate
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
 from mrts.limits.cell_limits import curve_rows, motor_limits, velocity_limits, velocity_rows
 from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_limits, point_limits
 from mrts.limits.rows import LimitRows, RowName, base_axes, limit_name, stack_rows
-from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.load_sharing import LoadSharing
@@ -220,10 +220,10 @@ def own_motion(cell: Cell) -> CoordinatedMotion:
     size = float(np.linalg.norm(cell.gravity))
     up = -cell.gravity / size if size > 0 else np.array([0.0, 1.0, 0.0])
     for lift in LIFTS:
-        start, end = (Pose(xyz=(T_world_object.p + way * up).tolist(), rpy=rpy) for way in (0.0, lift))
-        described = MotionDescription(duration=0.5, samples=SAMPLES, profile="quintic", start=start, end=end)
+        start, end = ({"xyz": T_world_object.p + way * up, "rpy": rpy} for way in (0.0, lift))
+        motion = load_motion({"duration": 0.5, "samples": SAMPLES, "profile": "quintic", "start": start, "end": end})
         try:
-            return follow_object(cell, sample_motion(described))
+            return coordinate(cell, motion)
         except MotionError:
             continue
     raise InputError(

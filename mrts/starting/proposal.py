@@ -17,7 +17,7 @@ from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import pose_keys
 from mrts.collisions.clearance import clearance_remarks
-from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.motion.motion_file import load_motion
 from mrts.program.between_samples import BETWEEN
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
@@ -143,7 +143,7 @@ def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], betw
     paths = [{"urdf": str(arm.path)} for arm in request.arms]
     robots = [robot | path for robot, path in zip(keys["robots"], paths, strict=True)]
     cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
-    return scale(cell, sample_motion(MotionDescription(**motion)), between=between)
+    return scale(cell, load_motion(motion), between=between)
 
 
 def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:

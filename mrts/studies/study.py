@@ -28,7 +28,7 @@ from mrts.cell.cell_keys import ONE_FOR_ALL, Keys, cell_keys, set_value, value_a
 from mrts.collisions.clearance import CollisionModel
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import NO_SPEED, JointTable
-from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion, sample_motion
+from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.scaling.options import Options, limited_cell
@@ -164,7 +164,7 @@ class Study:
 
     def motion_of(self, keys: dict[str, Any]) -> ObjectMotion | JointTable:
         """The motion of a variant, likewise."""
-        return sample_motion(MotionDescription(**keys)) if self.table is None else self.table
+        return load_motion(keys) if self.table is None else self.table
 
     def at_hand(self) -> Self:
         """The same study with URDFs that are where it says, with the content that it was read with.

@@ -25,7 +25,7 @@ from mrts.cell.cell_change import CellChange, Changed, machine_of, with_machine_
 from mrts.cell.cell_keys import cell_keys, pose_keys
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.motion.joint_table import JointTable
-from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.motion.motion_file import MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.simulation.simulate import Simulation, simulate
 from mrts.viewer.player_state import HeldPoses, PlayerState, Profile, held_poses, play, still_motion
@@ -139,7 +139,7 @@ class Choices:
         if described.waypoints:
             start, *between, end = described.waypoints
             moved = {"waypoints": [moved.get("start", start), *between, moved.get("end", end)]}
-        return sample_motion(MotionDescription(**keys | moved))
+        return load_motion(keys | moved)
 
     def with_limit(self, name: Changed, share: float) -> "Choices":
         """With another share of a limit."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 from scipy.integrate import cumulative_simpson
-from shipped_cells import sampled
 
+import mrts
 from mrts.following.tracking import tip_rates
 
 POSE = 1e-10
@@ -17,7 +17,7 @@ def motion(xyz, rpy=(0, 0, 0), start=(0, 0.1, 0.35), **changes):
         "start": {"xyz": list(start)},
         "end": {"xyz": list(xyz), "rpy": list(rpy)},
     }
-    return sampled(description | changes)
+    return mrts.load_motion(description | changes)
 
 
 def assert_consistent(cell, joint_motion, tolerance=1e-6):

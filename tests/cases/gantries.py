@@ -2,7 +2,7 @@
 
 import numpy as np
 from random_motors import equipped
-from shipped_cells import cell_of_arms, sampled
+from shipped_cells import cell_of_arms
 
 import mrts
 
@@ -36,7 +36,7 @@ def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=
 def along_x(samples=101, **changes):
     description = {"duration": 1.0, "samples": samples, "profile": "cubic"}
     description |= {"start": {"xyz": [0, 0, 0]}, "end": {"xyz": [2, 0, 0]}}
-    return sampled(description | changes)
+    return mrts.load_motion(description | changes)
 
 
 def straight(time, x, v, a, **given):

@@ -7,7 +7,6 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.motion.motion_file import MotionDescription, sample_motion
 
 QUATERNION_NAMES = ["px", "py", "pz", "qx", "qy", "qz", "qw"]
 RATE_NAMES = ["vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz"]
@@ -17,7 +16,7 @@ START, LIFTED, TURNED = {"xyz": [0, 0.1, 0.35]}, {"xyz": [0, 0.1, 0.5]}, {"xyz":
 def moved(end, samples=101, profile="quintic"):
     poses = [{"rpy": [0, 0, 0]} | pose for pose in (START, end)]
     keys = {"duration": 0.8, "samples": samples, "profile": profile, "start": poses[0], "end": poses[1]}
-    return sample_motion(MotionDescription(**keys))
+    return mrts.load_motion(keys)
 
 
 def exact_motions(cell):

@@ -8,7 +8,6 @@ import yaml
 import mrts
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.c_text import cell_macros
-from mrts.motion.motion_file import MotionDescription, sample_motion
 
 DATA = Path(mrts.__file__).parent / "data"
 
@@ -53,11 +52,6 @@ def sizes_of(name):
     return [f"-D{macro}={value}" for macro, value in cell_macros(manifest).items()]
 
 
-def sampled(keys):
-    """The motion of the keys of a motion file."""
-    return sample_motion(MotionDescription.model_validate(keys))
-
-
 def scaled_path(name, length, samples, profile):
     """The shipped motion of a cell, cut or stretched to a length."""
     given = shipped_motion(name, samples=samples, profile=profile)
@@ -66,10 +60,10 @@ def scaled_path(name, length, samples, profile):
     given["end"] = {"xyz": (start + factor * (end - start)).tolist()} | {
         key: (factor * np.array(value)).tolist() for key, value in given["end"].items() if key == "rpy"
     }
-    return sampled(given)
+    return mrts.load_motion(given)
 
 
 def still_motion(xyz, **keys):
     """An object that rests."""
     here = {"xyz": list(map(float, xyz))}
-    return sampled({"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here} | keys)
+    return mrts.load_motion({"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here} | keys)

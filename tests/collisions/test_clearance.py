@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from conftest import UR5
-from shipped_cells import sampled, shipped
+from shipped_cells import shipped
 from study_files import planar_study, write_study
 
 import mrts
@@ -33,7 +33,7 @@ def described(surroundings, **of_object):
 def lifting(**keys):
     """Straight up from where the arms of the shipped cell begin, by 0.2 m."""
     given = {"duration": 1.0, "samples": 101, "profile": "quintic", "start": {"xyz": [0, 0.1, 0.35]}}
-    return sampled(given | {"end": {"xyz": [0, 0.1, 0.55]}} | keys)
+    return mrts.load_motion(given | {"end": {"xyz": [0, 0.1, 0.55]}} | keys)
 
 
 def box(name, sides, xyz):

@@ -10,7 +10,7 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 from conftest import DATA, ROOT
-from shipped_cells import sampled, shipped_motion, sizes_of
+from shipped_cells import shipped_motion, sizes_of
 
 import mrts
 from mrts.cell.generation import generated_in_cache
@@ -67,7 +67,7 @@ def answers(request, tmp_path_factory):
     manifest, generated = generated_in_cache(path / "cell.yaml")
     (folder / "cell.c").write_text(cell_source(manifest, generated.read_text(encoding="utf-8")), encoding="utf-8")
     cell = mrts.load_cell(path / "cell.yaml")
-    motion = mrts.follow_object(cell, sampled(shipped_motion(request.param, samples=SAMPLES)))
+    motion = mrts.follow_object(cell, mrts.load_motion(shipped_motion(request.param, samples=SAMPLES)))
     plain = motion_rows(cell.without_velocity_limits(), motion)
     rng, units, joints = np.random.default_rng(0), plain.given.units, motion.q.shape
     square, offset = rng.normal(size=(2, SAMPLES, len(units))) * units * 1e-3

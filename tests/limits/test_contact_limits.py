@@ -8,7 +8,6 @@ from cell_bank import random_planar_cell, random_spatial_cell
 
 import mrts
 from mrts.cell.hands import read_contacts, tip_components
-from mrts.motion.motion_file import MotionDescription, sample_motion
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
@@ -79,7 +78,7 @@ def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
 def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
     """Along a motion that does not turn, in a cell whose left base does not, and its grasps by quarter turns only."""
     path = {"start": {"xyz": [0.0, 0.1, 0.35]}, "end": {"xyz": [0.03, 0.2, 0.5]}}
-    motion = sample_motion(MotionDescription(duration=0.4, samples=41, profile="quintic", **path))
+    motion = mrts.load_motion({"duration": 0.4, "samples": 41, "profile": "quintic", **path})
     lower, upper = np.array([-30.0, -20, 5, -4, -3, -6]), np.array([60.0, 25, 90, 4, 5, 7])
     left, _ = dual_ur5.robots
     R = left.T_object_tip.R.round()

@@ -16,7 +16,6 @@ from scipy.interpolate import CubicSpline
 from transcription import robot_side
 
 import mrts
-from mrts.motion.motion_file import sample_motion
 
 GAIN = 1e-5
 """Share of the duration: a step that wins less is the last one, a hundredth of what is compared."""
@@ -72,9 +71,9 @@ class SmoothTiming:
         return self.durations[-1]
 
 
-def quintic_path(cell, description, nodes):
+def quintic_path(cell, keys, nodes):
     """The path of an object's motion from pose to pose, over the time of a quintic."""
-    motion = sample_motion(description.model_copy(update={"profile": "quintic", "samples": nodes}))
+    motion = mrts.load_motion(keys | {"profile": "quintic", "samples": nodes})
     return with_third(mrts.follow_object(cell, motion))
 
 

@@ -10,7 +10,6 @@ from shipped_cells import shipped_motion
 from smooth_program import Rates, quintic_path, smooth_timing, with_third
 
 import mrts
-from mrts.motion.motion_file import MotionDescription, sample_motion
 
 RATE = 11.0
 """[1/s]; of the torque limits, as Franka publishes them."""
@@ -23,22 +22,22 @@ def shipped(name):
     """A shipped cell, its motion, and the torque rates that are asked for."""
     cell = mrts.load_cell(DATA.parent / name / "cell.yaml")
     limits = np.concatenate([robot.torque_upper for robot in cell.robots])
-    return cell, MotionDescription.model_validate(shipped_motion(name)), RATE * limits
+    return cell, shipped_motion(name), RATE * limits
 
 
 @pytest.mark.parametrize("name", ["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
 def test_torque_rates_on_the_shipped_cells(name):
-    cell, description, rates = shipped(name)
-    ours = mrts.retime(cell, sample_motion(description), rates=RATE, between=None, distribute="least-torque")
-    theirs = smooth_timing(cell, quintic_path(cell, description, description.samples), Rates(torque=rates))
+    cell, keys, rates = shipped(name)
+    ours = mrts.retime(cell, mrts.load_motion(keys), rates=RATE, between=None, distribute="least-torque")
+    theirs = smooth_timing(cell, quintic_path(cell, keys, keys["samples"]), Rates(torque=rates))
     assert ours.duration == pytest.approx(theirs.duration, rel=SAME)
 
 
 def test_jerk_and_wrench_rates_together():
-    cell, description, rates = shipped("planar_dual_arm")
+    cell, keys, rates = shipped("planar_dual_arm")
     jerk, wrench = np.full(6, 3e3), np.tile([60.0, 60.0, 30.0], 2)
     limited = with_robots(equipped(cell, jerk=3e3), contact_rate=wrench[:3])
-    ours = mrts.retime(limited, sample_motion(description), rates=RATE, between=None, distribute="least-torque")
+    ours = mrts.retime(limited, mrts.load_motion(keys), rates=RATE, between=None, distribute="least-torque")
     path = with_third(ours.pieces[0].piece.path)
     theirs = smooth_timing(cell, path, Rates(torque=rates, jerk=jerk, wrench=wrench))
     assert ours.duration == pytest.approx(theirs.duration, rel=SAME)
@@ -48,9 +47,9 @@ def test_jerk_and_wrench_rates_together():
 
 def test_every_load_of_a_box_is_carried():
     """One timing for all corners of the box, each with torques of its own."""
-    cell, description, rates = shipped("planar_dual_arm")
+    cell, keys, rates = shipped("planar_dual_arm")
     cell = cell.with_variation(mass=(0.5, 2.0), izz=(0.5, 3.0))
-    ours = mrts.retime(cell, sample_motion(description), rates=RATE, between=None, distribute="least-torque")
+    ours = mrts.retime(cell, mrts.load_motion(keys), rates=RATE, between=None, distribute="least-torque")
     loads = [cell.load_box.load_at({"mass": k, "izz": 1.0}) for k in (0.5, 2.0)]  # the bar does not turn
     theirs = smooth_timing(cell, with_third(ours.pieces[0].piece.path), Rates(torque=rates), loads=loads)
     alone = smooth_timing(cell, with_third(ours.pieces[0].piece.path), Rates(torque=rates))

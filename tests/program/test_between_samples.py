@@ -10,11 +10,10 @@ import yaml
 from conftest import DATA
 from gantries import along_x, gantries
 from motion_tables import columns_of, object_columns, write_table
-from shipped_cells import sampled, shipped_motion
+from shipped_cells import shipped_motion
 
 import mrts
 from mrts.following.coordinate import coordinate
-from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.program.between_samples import BETWEEN
 from mrts.program.infeasibility import widening_at
 from mrts.program.motion_rows import motion_rows
@@ -39,7 +38,7 @@ class Drawn:
         """The motion with its own samples, or `factor` times as dense."""
         samples = (self.keys["samples"] - 1) * factor + 1
         if self.path is None:
-            return sampled(self.keys | {"samples": samples})
+            return mrts.load_motion(self.keys | {"samples": samples})
         self.path.write_text(yaml.safe_dump(self.keys | {"samples": samples}))
         return mrts.load_motion(self.path)
 
@@ -80,7 +79,7 @@ def draw(rng, cell, kind, folder):
     if kind == "waypoints":
         return Drawn(keys | {"waypoints": poses_of(rng, cell, int(rng.integers(3, 6)))})
     path = keys | {"waypoints": corner_of(cell, steps=int(rng.integers(1, 6)))}
-    rows = sampled(path)
+    rows = mrts.load_motion(path)
     columns = object_columns(rows, rates=False)
     if kind == "joints":
         columns = columns_of(cell, mrts.follow_object(cell, rows), ("q",))
@@ -162,7 +161,7 @@ def test_a_velocity_whose_peak_lies_between_samples(tmp_path, samples, between):
 
 def trapezoid_lift(samples):
     """The redundant cell's lift by a trapezoid, whose acceleration jumps at a third and at two thirds of the time."""
-    return sampled(shipped_motion("redundant", profile="trapezoid", samples=samples))
+    return mrts.load_motion(shipped_motion("redundant", profile="trapezoid", samples=samples))
 
 
 def test_jumps_of_acceleration_are_found_at_any_number_of_samples():
@@ -175,12 +174,11 @@ def test_jumps_of_acceleration_are_found_at_any_number_of_samples():
 @pytest.mark.parametrize("load", ["guaranteed", "grid:3"])
 def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, load):
     cell = dual_ur5.with_variation(mass=(0.5, 1.5))
-    path = MotionDescription(
-        duration=0.8, samples=15, profile="sinusoid", start={"xyz": [0, 0.1, 0.35]}, end={"xyz": [0.05, 0.25, 0.5]}
-    )
-    found = mrts.scale(cell, sample_motion(path), load=load)
+    path = {"duration": 0.8, "samples": 15, "profile": "sinusoid"}
+    path |= {"start": {"xyz": [0, 0.1, 0.35]}, "end": {"xyz": [0.05, 0.25, 0.5]}}
+    found = mrts.scale(cell, mrts.load_motion(path), load=load)
     assert found.motion.samples > 15 or found.excess.share > 0
-    dense = sample_motion(path.model_copy(update={"samples": 701}))
+    dense = mrts.load_motion(path | {"samples": 701})
     loads = [point.load for point in found.load.points]
     assert dense_excess(cell, dense, found.trajectory.c2, loads) <= BETWEEN
     assert all(len(of_load.samples.time) == found.motion.samples for of_load in found.load.ranges)
@@ -192,8 +190,8 @@ def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, loa
 def test_a_coarse_table_of_joints_says_that_its_splines_are_ours(cells, tmp_path):
     """21 rows around a corner, 64 samples on their splines: told by how much c²⁺ is less than at the samples."""
     cell = cells[0]
-    path = MotionDescription(duration=0.8, profile="quintic", samples=21, waypoints=corner_of(cell, steps=2))
-    followed = mrts.follow_object(cell, sample_motion(path))
+    path = {"duration": 0.8, "profile": "quintic", "samples": 21, "waypoints": corner_of(cell, steps=2)}
+    followed = mrts.follow_object(cell, mrts.load_motion(path))
     write_table(tmp_path / "joints.csv", columns_of(cell, followed, ("q",)), ".15g")
     (tmp_path / "motion.yaml").write_text("joints: joints.csv\nsamples: 30\n")
     found = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"))

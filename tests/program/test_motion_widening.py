@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import DATA
 from random_motors import drawn_motors
-from shipped_cells import sampled, shipped_motion
+from shipped_cells import shipped_motion
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
@@ -26,7 +26,7 @@ SAMPLES = 300  # more than a chunk of the kernel, so that two threads have somet
 
 def followed(name, samples=SAMPLES):
     cell = mrts.load_cell(DATA.parent / name / "cell.yaml")
-    return cell, mrts.follow_object(cell, sampled(shipped_motion(name, samples=samples)))
+    return cell, mrts.follow_object(cell, mrts.load_motion(shipped_motion(name, samples=samples)))
 
 
 def changed(cell, how, rng):

@@ -9,7 +9,7 @@ from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from changed_robots import with_robots
 from conftest import DATA
 from draws import seeds
-from shipped_cells import cell_file, changed_cell, sampled, shipped, shipped_motion
+from shipped_cells import cell_file, changed_cell, shipped, shipped_motion
 
 import mrts
 from mrts.base.load_box import load_vector
@@ -91,7 +91,7 @@ def on_forks(cell, highest=None):
 @pytest.fixture(scope="module")
 def lowering():
     given = shipped_motion()
-    return sampled(given | {"start": given["end"], "end": given["start"]})
+    return mrts.load_motion(given | {"start": given["end"], "end": given["start"]})
 
 
 @pytest.mark.quick

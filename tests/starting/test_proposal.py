@@ -15,7 +15,6 @@ from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.cell.remarks import joint_assumptions
-from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.starting.arm import Arm
 from mrts.starting.hold import hold_here
 from mrts.starting.layouts import layouts
@@ -246,8 +245,7 @@ def test_the_arms_start_at_their_postures(dual_ur5):
     held = hold_here(dual_ur5, START, TURN)
     q = np.concatenate([robot.posture for robot in held.robots])
     keys = {"xyz": START, "rpy": TURN}
-    motion = sample_motion(
-        MotionDescription(start=keys, end={"xyz": [0.03, 0.15, 0.41], "rpy": TURN}, duration=1.0, profile="cubic")
-    )
+    end = {"xyz": [0.03, 0.15, 0.41], "rpy": TURN}
+    motion = mrts.load_motion({"start": keys, "end": end, "duration": 1.0, "profile": "cubic"})
     assert mrts.follow_object(held, motion).q[0] == pytest.approx(q, abs=SAME)
     assert [robot.T_world_base for robot in held.robots] == [robot.T_world_base for robot in dual_ur5.robots]

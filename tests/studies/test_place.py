@@ -8,7 +8,7 @@ import pytest
 import yaml
 from draws import draws
 from scipy.optimize import minimize
-from shipped_cells import DATA, sampled, shipped, shipped_motion
+from shipped_cells import DATA, shipped, shipped_motion
 from study_files import write_study
 
 import mrts
@@ -20,7 +20,7 @@ def c2_of(study, values):
     keys, asked = study.descriptions(values)[0], study.question
     try:
         cell = mrts.Cell.from_description(keys, folder=study.folder)
-        motion = sampled(study.motion)
+        motion = mrts.load_motion(study.motion)
         return mrts.scale(cell, motion, load=asked.load, reserve=asked.reserve, between=None).range.c2_upper
     except mrts.MrtsError:
         return -np.inf

@@ -11,7 +11,7 @@ from gantries import along_x, gantries
 from one_arm import by_toppra, duration, one_arm
 from random_motors import equipped
 from scipy.optimize import linprog
-from shipped_cells import sampled, scaled_path, shipped_motion
+from shipped_cells import scaled_path, shipped_motion
 from transcription import transcribed
 
 import mrts
@@ -70,7 +70,7 @@ def test_one_arm_equals_toppra_as_a_user_calls_it(seed, fast, tmp_path):
 @pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
 def test_two_arms_equal_a_direct_transcription(name, planar_cell, dual_ur5):
     cell = {"planar_dual_arm": planar_cell, "dual_ur5": dual_ur5}[name].without_velocity_limits()
-    motion = mrts.follow_object(cell, sampled(shipped_motion(name, samples=41)))
+    motion = mrts.follow_object(cell, mrts.load_motion(shipped_motion(name, samples=41)))
     (piece,) = path_pieces(cell, motion)
     found, x = transcribed(cell, motion)()
     assert found

@@ -8,7 +8,7 @@ import pytest
 from conftest import DATA
 from gantries import along_x, gantries, there_and_back, uphill_gantries
 from random_motors import equipped
-from shipped_cells import sampled, shipped_motion
+from shipped_cells import shipped_motion
 
 import mrts
 from mrts.limits import limit_rows
@@ -177,7 +177,7 @@ def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, plana
 def test_the_timing_with_the_least_excess_is_kept_and_said():
     """Of samples that are too close for their rounding once limits of jerk ask for more nodes."""
     cell = equipped(mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"), jerk=950.0)
-    motion = sampled(shipped_motion("squeeze", samples=58, duration=2.4))
+    motion = mrts.load_motion(shipped_motion("squeeze", samples=58, duration=2.4))
     rounded = mrts.retime(cell, motion, rates=11.5, between=1e-5, distribute="least-torque")
     assert rounded.status is mrts.RetimingStatus.LOCALLY_AT_SAMPLES
     assert rounded.smooth.steps <= 40
@@ -201,7 +201,7 @@ def mean_square(found):
 @pytest.mark.parametrize("variation", [None, {"mass": (0.9, 1.1)}])
 def test_with_rates_a_hundredth_of_the_duration_leaves_most_of_the_limits(dual_ur5, variation):
     cell = dual_ur5 if variation is None else dual_ur5.with_variation(**variation)
-    motion = sampled(shipped_motion("dual_ur5"))
+    motion = mrts.load_motion(shipped_motion("dual_ur5"))
     least, kept = (mrts.retime(cell, motion, rates=10.0, **asked) for asked in ({"distribute": "least-torque"}, {}))
     assert (least.smooth.room, kept.options.distribute) == (0.0, "reserve")
     assert kept.smooth.room == pytest.approx(ROOM, rel=1e-6)

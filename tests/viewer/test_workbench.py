@@ -13,7 +13,7 @@ from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_give
 
 import mrts
 from mrts.collisions.bodies import tip_at_posture
-from mrts.motion.motion_file import MotionDescription, sample_motion
+from mrts.motion.motion_file import MotionDescription
 from mrts.plots.plot import Line
 from mrts.viewer import workbench
 from mrts.viewer.panel import held_html
@@ -37,8 +37,8 @@ def spatial(dual_ur5):
 @pytest.fixture
 def fine(spatial):
     """A workbench whose motion has some samples more."""
-    description = spatial.description.model_copy(update={"samples": 201})
-    opened = Workbench(Given(spatial.cell, sample_motion(description), description))
+    keys = {key: value for key, value in spatial.description if value is not None} | {"samples": 201}
+    opened = Workbench(Given(spatial.cell, mrts.load_motion(keys), MotionDescription(**keys)))
     answered(opened)
     yield opened
     opened.close()
@@ -109,9 +109,7 @@ def test_the_keys_of_what_was_changed_are_those_of_the_files(spatial):
     keys = dict(yaml.safe_load(line).popitem() for line in changed_keys(spatial, choices))
     ends = {"end": keys.pop("end")}
     assert keys.keys() == {"object.mass", "robots.left.torque", "robots.left.base"}
-    motion = sample_motion(
-        MotionDescription(**{key: value for key, value in spatial.description if value is not None} | ends)
-    )
+    motion = mrts.load_motion({key: value for key, value in spatial.description if value is not None} | ends)
     found = mrts.scale(spatial.cell.with_values(keys), motion)
     assert upper(changed(spatial, choices)) == pytest.approx(found.range.upper.c2, rel=SAME)
     assert changed_keys(spatial, Choices()) == []
