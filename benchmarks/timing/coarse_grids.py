@@ -27,7 +27,7 @@ import mrts
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.motion.joint_table import JointTable
-from mrts.motion.velocity_profile import PROFILES
+from mrts.motion.object_courses import PROFILES
 from mrts.timing.path_pieces import PathError, path_pieces
 from mrts.timing.retimed_motion import TimedPiece
 

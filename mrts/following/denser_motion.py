@@ -20,9 +20,8 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinate import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, unchecked_coordinated_motion
 from mrts.kernel.tracking import PATH
-from mrts.motion.object_courses import ProfiledPath
+from mrts.motion.object_courses import CORNER_TOLERANCE, CORNERS, ProfiledPath
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
-from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 """Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""

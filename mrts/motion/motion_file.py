@@ -14,10 +14,9 @@ from mrts.base.formats.record import Pose, Record, Rule
 from mrts.base.input_file import plain
 from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable
-from mrts.motion.object_courses import ProfiledPath, geodesic_rates, waypoint_rates
+from mrts.motion.object_courses import PROFILES, ProfiledPath, geodesic_rates, waypoint_rates
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.ros_messages import is_bag, read_joint_trajectories
-from mrts.motion.velocity_profile import PROFILES
 
 MIN_SAMPLES = 11
 """Limits are checked at the samples only: a range from fewer says little about the motion between them."""

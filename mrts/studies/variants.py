@@ -26,9 +26,8 @@ from mrts.kernel.variants import variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_rows, wrench_limits
 from mrts.limits.rows import ActiveRow, kernel_limits
-from mrts.motion.object_courses import geodesic_rates
+from mrts.motion.object_courses import PROFILES, geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
-from mrts.motion.velocity_profile import PROFILES
 from mrts.program.motion_rows import binds, largest_square, side_share
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import SampleRanges

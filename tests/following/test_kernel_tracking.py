@@ -22,7 +22,7 @@ from mrts.following.tracking import (
     tip_rates,
 )
 from mrts.kernel.tracking import FOLLOWED, LOST, OUT_OF_REACH, SINGULAR
-from mrts.motion.velocity_profile import PROFILES
+from mrts.motion.object_courses import PROFILES
 
 CELLS = ("planar_dual_arm", "dual_ur5", "redundant")
 

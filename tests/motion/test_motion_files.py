@@ -8,7 +8,7 @@ from scipy.integrate import cumulative_simpson, quad
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.motion.velocity_profile import CORNERS, PROFILES, trapezoid
+from mrts.motion.object_courses import CORNERS, PROFILES, trapezoid
 
 pytestmark = pytest.mark.quick
 

@@ -10,8 +10,8 @@ from scipy.interpolate import CubicSpline
 
 import mrts
 from mrts.following.coordinate import coordinate
+from mrts.motion.object_courses import PROFILES
 from mrts.motion.rounded_samples import rounding, splines_through
-from mrts.motion.velocity_profile import PROFILES
 
 
 @pytest.mark.parametrize(("name", "samples"), [("lift", 101), ("turn", 11)])

@@ -23,7 +23,7 @@ import mrts
 from mrts.cell.points import CarriedThing
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.limits import limit_rows
-from mrts.motion.velocity_profile import quintic
+from mrts.motion.object_courses import quintic
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
-from mrts.motion.velocity_profile import PROFILES
+from mrts.motion.object_courses import PROFILES
 from mrts.program.between_samples import BETWEEN
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
