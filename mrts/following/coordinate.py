@@ -202,7 +202,9 @@ def close_chain(
     """
     if holds(cell, given, (min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle)), GIVEN_SLIP):
         return given
-    source = given.course.source if carried and given.course else None
+    source = None
+    if carried and given.course is not None:
+        source = "positions" if given.course.rate is None else "velocities"
     by_each = carried_by_each(cell, given.object.time, given.q, given.dq, given.ddq)
     gaps = grasp_gaps(cell, given.object, by_each)
     robot, sample, share, text = _worst(gaps, bound)

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from io import StringIO
 from itertools import chain, islice
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -34,10 +33,8 @@ QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
 
 
-def read_table(
-    path: Path, samples: int | None, kind: Literal["object", "joints"] | None = None
-) -> ObjectMotion | JointTable:
-    """Read a table of motion.
+def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
+    """Read a table of motion; its columns tell of what.
 
     Of the object it has t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes. Of
     joints it has t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`; the torques
@@ -46,7 +43,6 @@ def read_table(
 
     Args:
         samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
-        kind: Of what it is; None tells by its columns.
 
     Raises:
         InputError: If a column is missing, unknown or malformed, a value is not a finite number, the times do not
@@ -54,9 +50,7 @@ def read_table(
     """
     columns = read_columns(path)
     of_object = any(name in columns for name in POSE_COLUMNS) and not any(name.startswith("q.") for name in columns)
-    if kind == "object" or (kind is None and of_object):
-        return _object_table(path, columns, samples)
-    return _joint_table(path, columns, samples)
+    return _object_table(path, columns, samples) if of_object else _joint_table(path, columns, samples)
 
 
 def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:

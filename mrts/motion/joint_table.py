@@ -56,11 +56,6 @@ class JointCourse:
     rate: Spline | None = None
     closed: bool = False
 
-    @property
-    def source(self) -> str:
-        """What the derivatives that were not given were found from: "positions" or "velocities"."""
-        return "positions" if self.rate is None else "velocities"
-
     def __call__(self, time: Array) -> tuple[Array, Array, Array]:
         """Positions, velocities and accelerations at some times, Shape (k,) [s], each Shape (k, m)."""
         rate, order = (self.position, 1) if self.rate is None else (self.rate, 0)

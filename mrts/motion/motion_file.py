@@ -129,7 +129,7 @@ def _read(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
             return read_table(path, None)
         description = MotionDescription.read_file(path, "motion file")
     if description.file is not None:
-        return read_table(path.parent / description.file, description.samples, "object")
+        return read_table(path.parent / description.file, description.samples)
     if description.joints is not None:
         joints = path.parent / description.joints
         if is_bag(joints):
@@ -137,7 +137,7 @@ def _read(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
         for key in sorted(OF_A_BAG):
             if getattr(description, key) is not None:
                 raise InputError(path, f"is of a ROS 2 bag, but {description.joints} is none.", key=key)
-        return read_table(joints, description.samples, "joints")
+        return read_table(joints, description.samples)
     try:
         return _sampled(description)
     except InputError as error:

@@ -201,16 +201,12 @@ TOPIC = "/display_planned_path"
 
 
 @pytest.fixture(scope="module")
-def whole(dual_ur5, followed):
+def whole(given):
     """One trajectory of both arms, whose joints are called as in a machine of two equal arms."""
-    parts = [
-        trajectory(robot, followed, part)
-        for robot, part in zip(dual_ur5.robots, dual_ur5.joint_slices.values(), strict=True)
-    ]
-    names = [f"{robot.name}_{joint}" for robot in dual_ur5.robots for joint in robot.joints]
+    names = [f"{robot}_{joint}" for robot, (joints, _) in given.items() for joint in joints]
     rows = [
         [one[0], *(np.concatenate(both) for both in zip(one[1:], other[1:], strict=True))]
-        for one, other in zip(parts[0][1], parts[1][1], strict=True)
+        for one, other in zip(*(points for _, points in given.values()), strict=True)
     ]
     return names, rows
 
