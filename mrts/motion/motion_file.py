@@ -40,9 +40,6 @@ KINDS = {
 VALUES = {"profile": " (sinusoid, trapezoid, cubic or quintic)", "duration": " (in s)"}
 """What is told of a key that is missing."""
 
-OF_A_BAG = {"topic", "trajectory"}
-"""Keys that may stand beside 'joints' where it is a bag."""
-
 MOST_TRAJECTORIES = 100_000
 """Of a bag."""
 
@@ -59,8 +56,7 @@ class MotionDescription(Record):
         waypoints: Object frames in the world that the path goes through.
         file: CSV table of the object's motion, relative to the motion file.
         joints: CSV table or ROS 2 bag of the joints' motion, relative to the motion file.
-        topic: Of the bag, that is read alone.
-        trajectory: Of the bag's topics, which one is read, from 0.
+        trajectory: Of those of a topic of the bag, which one is read, from 0.
 
     Raises:
         InputError: If a value breaks a rule.
@@ -74,7 +70,6 @@ class MotionDescription(Record):
     waypoints: Annotated[list[Pose], Rule(min_length=2)] | None = None
     file: str | None = None
     joints: str | None = None
-    topic: str | None = None
     trajectory: Annotated[int, Rule(ge=0, le=MOST_TRAJECTORIES)] | None = None
 
     def problem(self) -> str:
@@ -88,7 +83,7 @@ class MotionDescription(Record):
         if missing := needed - given:
             told = [f"{key}{VALUES.get(key, '')}" for key in sorted(missing)]
             return f"this key is required with '{chosen[0]}': {', '.join(told)}"
-        if extra := given - needed - (OF_A_BAG if chosen[0] == "joints" else set()):
+        if extra := given - needed - ({"trajectory"} if chosen[0] == "joints" else set()):
             return f"'{chosen[0]}' does not go with: {', '.join(sorted(extra))}"
         return ""
 
@@ -133,10 +128,9 @@ def _read(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
     if description.joints is not None:
         joints = path.parent / description.joints
         if is_bag(joints):
-            return read_joint_trajectories(joints, description.samples, description.topic, description.trajectory)
-        for key in sorted(OF_A_BAG):
-            if getattr(description, key) is not None:
-                raise InputError(path, f"is of a ROS 2 bag, but {description.joints} is none.", key=key)
+            return read_joint_trajectories(joints, description.samples, description.trajectory)
+        if description.trajectory is not None:
+            raise InputError(path, f"is of a ROS 2 bag, but {description.joints} is none.", key="trajectory")
         return read_table(joints, description.samples)
     try:
         return _sampled(description)

@@ -117,9 +117,7 @@ DERIVATIVES = ("positions", "velocities", "accelerations")
 """Parts of a trajectory's points that are a motion."""
 
 
-def read_joint_trajectories(
-    path: Path, samples: int | None, topic: str | None = None, trajectory: int | None = None
-) -> JointTable:
+def read_joint_trajectories(path: Path, samples: int | None, trajectory: int | None = None) -> JointTable:
     """Read the joint trajectories of a bag, one a topic, as one motion.
 
     The first name of a topic, as in /ROBOT/joint_trajectory, is that of a robot; if the cell has none of this name, its
@@ -129,14 +127,13 @@ def read_joint_trajectories(
 
     Args:
         samples: Number of samples on the spline; None takes the times of the points.
-        topic: The one to read; None is all of trajectory_msgs/JointTrajectory, or else all of MoveIt's.
         trajectory: Which trajectory of a topic, counted from 0 through its messages, each of which may hold several;
             None where there is one.
 
     Raises:
         InputError: If it is no bag, holds no trajectory that can be read, or a trajectory breaks a rule.
     """
-    time, (q, dq, ddq), unusable = joint_columns(path, _trajectories(path, topic), trajectory)
+    time, (q, dq, ddq), unusable = joint_columns(path, _trajectories(path), trajectory)
     ddq = {name: column for name, column in ddq.items() if name in dq}
     return JointTable(path, time, q, dq, ddq, samples=samples, unusable=unusable)
 
@@ -188,14 +185,8 @@ def _names(topic: str, message: Any) -> list[str]:
     return [joint_column(topic, joint) for joint in message.joint_names]
 
 
-def _trajectories(path: Path, topic: str | None) -> dict[str, list[Any]]:
+def _trajectories(path: Path) -> dict[str, list[Any]]:
     found = bag_messages(path, KIND, *OF_MOVEIT)
-    if topic is not None:
-        if topic not in found:
-            raise InputError(
-                path, f"has no trajectories in this topic; they are in {', '.join(found)}.", key="topic", value=topic
-            )
-        found = {topic: found[topic]}
     listed = {name: [message for _, message in messages] for name, messages in found.items()}
     played = {name: messages for name, messages in listed.items() if messages[0].__msgtype__ == KIND}
     # what is displayed may hold several

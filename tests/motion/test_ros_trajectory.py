@@ -256,6 +256,3 @@ def test_what_a_controller_plays_comes_before_what_a_planner_shows(whole, tmp_pa
     messages = [(TOPIC, display(robot_trajectory(*whole))), ("/both/joint_trajectory", message(names, rows[:30]))]
     write_bag(tmp_path / "both", messages, types=MOVEIT)
     assert len(mrts.load_motion(tmp_path / "both").time) == 30
-    assert len(mrts.load_motion(write_motion(tmp_path, joints="both", topic=TOPIC)).time) == len(rows)
-    with pytest.raises(mrts.InputError, match=r"topic = '/plan': has no trajectories .* in /both/.*, /display_planned"):
-        mrts.load_motion(write_motion(tmp_path, joints="both", topic="/plan"))
