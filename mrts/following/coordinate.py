@@ -4,14 +4,13 @@
 Given joints miss their grasps by a planner's tolerance, by rounding, or by a spline: they are moved onto them.
 """
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import NoneType
 from typing import Annotated
 
 import numpy as np
 
-from mrts.base.arrays import Array, apply, rotated, row_products
+from mrts.base.arrays import Array, rotated, row_products
 from mrts.base.errors import InputError, MotionError, Remark, check_type
 from mrts.base.formats.record import Rule, check_attributes
 from mrts.base.manifest import GEOMETRY
@@ -228,10 +227,9 @@ def close_chain(
         gaps = grasp_gaps(cell, target, by_each)
     else:
         target = given.object
-    q = joints_on_grasps(cell, target, given.q)
+    q, dq, ddq = joints_on_grasps(cell, target, given.q, given.dq, given.ddq)
     check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
     _check_regular(cell, target.time, q)
-    dq, ddq = nearest_rates(cell, target, q, given.dq, given.ddq)
     moved = float(np.max(np.abs(q - given.q)))
     told = given.remarks + _correction(cell, gaps, bound, moved)
     course = given.course and replace(given.course, closed=True)
@@ -293,15 +291,16 @@ def mean_object(carried: list[ObjectMotion]) -> ObjectMotion:
     return unchecked_object_motion(carried[0].time, position, rotation, twist, acceleration)
 
 
-def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
-    """Joint positions on the grasps near the given ones, Shape (N, m)."""
-    held, gap, turn, _ = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
+def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
+    """Joints on the grasps near the given ones, with the rates nearest to theirs that keep them there, Shape (N, m)."""
+    rates = np.array(dq, order="C"), np.array(ddq, order="C")
+    held, gap, turn, _ = solve_grasps(cell, target, slice(None), q, TRACKING_STEPS, rates=rates)
     gaps = np.stack([gap.T, turn.T])
     if gaps.max() > POSE_TOLERANCE:
         robot, sample, *_ = _worst(gaps, ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
         amounts = gaps[:, robot, sample].tolist()
         raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
-    return held
+    return held, *rates
 
 
 def _check_regular(cell: Cell, time: Array, q: Array) -> None:
@@ -318,28 +317,6 @@ def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Ar
 
     The positions are on the grasps. A direction that a singular arm has lost is left as given.
     """
-    dq, ddq, samples = dq.copy(), ddq.copy(), len(q)
-    rates = [tip_rates(cell, robot, target) for robot in cell.robots]
-    jacobians = cell.functions("kinematics", samples, {"q": q})["jacobian"]
-    inverses = []
-    for joints, (velocity, _) in zip(cell.joint_slices.values(), rates, strict=True):
-        J = jacobians[:, :, joints]
-        inverses.append(_inverses(J))
-        dq[:, joints] += apply(inverses[-1], velocity - apply(J, dq[:, joints]))
-    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
-    bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))
-    for index, (joints, (_, acceleration)) in enumerate(zip(cell.joint_slices.values(), rates, strict=True)):
-        missing = acceleration - bias[:, :, index] - apply(jacobians[:, :, joints], ddq[:, joints])
-        ddq[:, joints] += apply(inverses[index], missing)
-    return dq, ddq
-
-
-def _inverses(J: Array) -> Array:
-    """Pseudoinverses of Jacobians without the directions that a singular arm has lost, Shape (N, n_i, w)."""
-    if J.shape[1] == J.shape[2]:
-        with suppress(np.linalg.LinAlgError):
-            inverses = np.asarray(np.linalg.inv(J), dtype=np.float64)
-            condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverses, axis=(1, 2))  # or less
-            if (condition < CONDITION_LIMIT).all():
-                return inverses
-    return np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64)
+    rates = np.array(dq, order="C"), np.array(ddq, order="C")
+    solve_grasps(cell, target, slice(None), q, 0, rates=rates)
+    return rates

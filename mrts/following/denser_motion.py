@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import holds, joints_on_grasps, mean_object, nearest_rates
+from mrts.following.coordinate import holds, joints_on_grasps, mean_object
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, unchecked_coordinated_motion
 from mrts.kernel.tracking import PATH
 from mrts.motion.object_courses import CORNER_TOLERANCE, CORNERS, ProfiledPath
@@ -71,8 +71,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
         return rough
     target = known or mean_object(carried)
     try:
-        q = joints_on_grasps(cell, target, q)
-        dq, ddq = nearest_rates(cell, target, q, dq, ddq)
+        q, dq, ddq = joints_on_grasps(cell, target, q, dq, ddq)
     except MotionError as error:
         raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
     return unchecked_coordinated_motion(target, q, dq, ddq, rough.travel)

@@ -244,19 +244,25 @@ def tracking_rule(cell: Cell) -> Any:
 
 
 def solve_grasps(
-    cell: Cell, motion: ObjectMotion, sample: int | NDArray[np.intp], start: Array, steps: int, *, near: Array | None
+    cell: Cell,
+    motion: ObjectMotion,
+    samples: NDArray[np.intp] | slice,
+    start: Array,
+    steps: int,
+    *,
+    near: Array | None = None,
+    rates: tuple[Array | None, Array | None] = (None, None),
 ) -> tuple[Array, Array, Array, Array]:
-    """`hold_grasps` at one sample, or one for each of T sets to start from, Shape (T, m).
+    """`hold_grasps` at samples, one for each of T sets to start from, Shape (T, m), or one for all.
 
     Redundant arms stay near the positions `near`, Shape (m,); None moves them no further than needed.
     """
-    samples = np.atleast_1d(sample)
-    given = {"position": motion.position[samples], "rotation": motion.rotation[samples]}
+    given = {name: getattr(motion, name)[samples] for name in PATH if name != "time"}
     if near is not None:
         given["reference"] = near[None]
     rule = tracking_rule(cell)
     rule.task.steps = steps
-    return hold_grasps(cell.functions.motion_library, rule.task, start, given)
+    return hold_grasps(cell.functions.motion_library, rule.task, start, given, rates)
 
 
 def reached(gap: Array, turn: Array) -> NDArray[np.bool_]:
@@ -420,7 +426,7 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     start = np.tile(cell.posture, (starts, 1))
     start[:, joints] = random_starts(robot, starts)
     reference = np.clip(cell.posture, *map(cell.stacked, ("position_lower", "position_upper")))
-    held, gap, turn, drift = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=reference)
+    held, gap, turn, drift = solve_grasps(cell, motion, slice(1), start, STARTING_STEPS, near=reference)
     settled = reached(gap, turn) & (drift <= SETTLED_PREFERENCE)
     distinct: list[Array] = []
     for candidate in held[settled[:, index]][:, joints]:

@@ -2,6 +2,7 @@
 """Inverse kinematics of many variants along their paths, how far given joints are off (c/tracking.c, c/arm_tips.c)."""
 
 from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -60,7 +61,11 @@ def follow_variants(
 
 
 def hold_grasps(
-    library: CellLibrary, task: Any, start: Array, given: Mapping[str, Array]
+    library: CellLibrary,
+    task: Any,
+    start: Array,
+    given: Mapping[str, Array],
+    rates: tuple[Array | None, Array | None] = (None, None),
 ) -> tuple[Array, Array, Array, Array]:
     """Damped Newton steps (Sugihara 2011) from T starts, at one sample each.
 
@@ -68,9 +73,10 @@ def hold_grasps(
         library: Of the cell.
         task: How they hold, of `TRACKING`, with the cell's geometry.
         start: Shape (T, m) [rad or m].
-        given: By name, with T first, or 1 where all share one: "position" and "rotation" of the object, and
-            "reference", the positions that redundant arms stay near, Shape (T, m); without it they move no further
-            than needed.
+        given: By name, with T first, or 1 where all share one: the object's `PATH` but its time, and "reference", the
+            positions that redundant arms stay near, Shape (T, m); without it they move no further than needed.
+        rates: q' and q'', Shape (T, m), which are moved in place to the nearest that keep the grasps; None for none. A
+            direction that a singular arm has lost is left as it was.
 
     Returns:
         Joint positions with the smallest errors met, of those without the most settled in the null space, Shape (T, m)
@@ -78,13 +84,13 @@ def hold_grasps(
         an arm that has none [rad or m], Shape (T, n) each.
     """
     count, m = start.shape
-    shapes = {"position": (3,), "rotation": (3, 3), "reference": (m,)}
+    shapes = {"position": (3,), "rotation": (3, 3), "reference": (m,), "twist": (6,), "acceleration": (6,)}
     places, strides = strided(count, shapes, {"reference": start, **given})
     if "reference" not in given:
         places[2] = None
-    q = np.array(start, dtype=np.float64)
+    q = np.array(start, dtype=np.float64, order="C")
     gap, turn, drift = np.zeros((3, count, library.robots))
-    library.opened.mrts_hold(count, task, places, strides, q, gap, turn, drift)
+    library.opened.mrts_hold(count, task, places, strides, q, *rates, gap, turn, drift)
     return q, gap, turn, drift
 
 
@@ -96,7 +102,7 @@ def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[st
         if array.shape not in {(1, *shape), (count, *shape)}:
             raise ValueError(f"{name} has Shape {array.shape}, not {(count, *shape)}")
         arrays.append(array)
-        strides.append(0 if len(array) == 1 else int(np.prod(shape)))
+        strides.append(0 if len(array) == 1 else prod(shape))
     return pointers(arrays), strides
 
 

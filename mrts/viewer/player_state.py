@@ -279,7 +279,7 @@ def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses
     count = min(MOST_SAMPLES, len(motion.time))
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
     start = np.tile(cell.posture, (len(samples), 1))
-    held, gap, turn, _ = solve_grasps(cell, motion, samples, start, FURTHER_STEPS, near=None)
+    held, gap, turn, _ = solve_grasps(cell, motion, samples, start, FURTHER_STEPS)
     holds = reached(gap, turn)
     carried = motion.time[samples], held, motion.position[samples], motion.rotation[samples]
     scene = Scene(cell, *carried, passed=~np.all(holds, axis=1))

@@ -75,7 +75,7 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
     for _ in range(30):
         motion, reference = drawn_motion(rng, cell), cell.posture
         posture = reference + rng.choice([0.0, 0.02, 0.2]) * rng.normal(size=len(reference))
-        start, gap, turn, _ = solve_grasps(cell, motion, 0, posture[None], FURTHER_STEPS, near=posture)
+        start, gap, turn, _ = solve_grasps(cell, motion, slice(1), posture[None], FURTHER_STEPS, near=posture)
         found = follow_from(cell, motion, start)
         q, dq, ddq = found.q[0], found.dq[0], found.ddq[0]
         carried = carried_by_each(cell, motion.time, q, dq, ddq)

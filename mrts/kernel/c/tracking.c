@@ -17,10 +17,8 @@ MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, c
     }
 }
 
-/*
- * What a grasp takes of an arm's joints and what it leaves free, and the positions that redundant arms prefer of all that
- * hold their grasps; mrts/following/tracking.py has the mathematics.
- */
+/* What a grasp takes of an arm's joints and what it leaves free, and the positions that redundant arms prefer of all that
+ * hold their grasps; mrts/following/tracking.py has the mathematics. */
 
 /* What the arms of a cell prefer; one value a joint of all arms [rad or m]. */
 typedef struct {
@@ -50,8 +48,8 @@ typedef struct {
 
 #endif
 
-/* Rounds of the power method: a norm is needed where an arm may be singular only. */
-enum { MRTS_ROUNDS = 200 };
+/* Rounds of Jacobi rotations, which converge as squares do; needed where an arm may be singular only. */
+enum { MRTS_ROUNDS = 12 };
 
 /* Solves a square system in place; 0 if it is singular. */
 static int mrts_solve_square(int size, double *matrix, double *rhs) {
@@ -123,20 +121,33 @@ static void mrts_least_joints(int joints, const mrts_split *split, const double 
     for (int r = 0; r < joints; ++r) x[r] = mrts_dot(W, split->Q + r * joints, in_basis);
 }
 
-/* The 2-norm of a matrix by rows, of full rank: of a vector turned by it and its transpose, again and again. */
-static double mrts_norm(int rows, int columns, const double *A) {
-    double x[MRTS_SIZE], square = 0;
-    for (int j = 0; j < columns; ++j) x[j] = 1;
-    for (int round = 0; round < MRTS_ROUNDS; ++round) {
-        double turned[MRTS_SIZE] = {0};
-        for (int i = 0; i < rows; ++i) {
-            const double its = mrts_dot(columns, A + i * columns, x);
-            for (int j = 0; j < columns; ++j) turned[j] += A[i * columns + j] * its;
-        }
-        square = sqrt(mrts_dot(columns, turned, turned));
-        for (int j = 0; j < columns; ++j) x[j] = turned[j] / square;
+/* The least x with J x = y but for directions that are lost at a condition number of `most`; returns that of J. One-sided
+ * Jacobi rotations make its rows orthogonal; y stands behind them. */
+static double mrts_regular_joints(int joints, const double *J, double most, const double *y, double *x) {
+    enum { W = MRTS_SIZE };
+    double rows[W][MRTS_MOST_JOINTS + 1], largest = 0, least = MRTS_INFINITY;
+    for (int i = 0; i < W; ++i) {
+        for (int l = 0; l < joints; ++l) rows[i][l] = J[l * W + i];
+        rows[i][joints] = y[i];
     }
-    return sqrt(square);
+    for (int pair = 0; pair < MRTS_ROUNDS * W * W; ++pair) {
+        double *a = rows[pair % W], *b = rows[pair / W % W];
+        const double apart = mrts_dot(joints, b, b) - mrts_dot(joints, a, a);
+        const double angle = atan2(2 * mrts_dot(joints, a, b), apart) / 2, c = cos(angle), s = sin(angle);
+        for (int l = 0; l <= joints && a < b; ++l) {
+            const double before = a[l];
+            a[l] = c * before - s * b[l];
+            b[l] = s * before + c * b[l];
+        }
+    }
+    for (int i = 0; i < W; ++i) largest = fmax(largest, mrts_dot(joints, rows[i], rows[i]));
+    for (int l = 0; l < joints; ++l) x[l] = 0;
+    for (int i = 0; i < W; ++i) {
+        const double square = mrts_dot(joints, rows[i], rows[i]);
+        least = fmin(least, square);
+        for (int l = 0; l < joints && square * most * most > largest; ++l) x[l] += rows[i][l] * rows[i][joints] / square;
+    }
+    return sqrt(largest / least);
 }
 
 #ifdef MRTS_REDUNDANT
@@ -275,11 +286,9 @@ static void mrts_change_along(const double *geometry, const double *q, const dou
 }
 #endif
 
-/*
- * Inverse kinematics at a sample: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
+/* Inverse kinematics at a sample: damped Newton steps (Sugihara, Solvability-unconcerned inverse kinematics by
  * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011), and, for arms with more joints than wrench
- * components, those that are preferred.
- */
+ * components, those that are preferred. */
 
 /* What the arms of a cell are to hold, and how, at every sample. */
 typedef struct {
@@ -457,7 +466,23 @@ static void mrts_hold_grasps(const mrts_tracking *task, const double *position, 
     }
 }
 
-/* q' = J^-1 v and q'' = J^-1 (a - J' q') of all arms, of redundant ones as is preferred. */
+/* Adds the least to the rates of an arm's joints that makes J rate = wanted, of a singular arm what it still can; returns
+ * the condition number of J, or a bound below the limit. */
+static double mrts_add_least(const mrts_tracking *task, int joints, const double *J, const mrts_split *split,
+                             const double *wanted, double *rate) {
+    enum { W = MRTS_SIZE };
+    double left[W], step[MRTS_MOST_JOINTS], condition = split->condition;
+    for (int i = 0; i < W; ++i) {
+        left[i] = wanted[i];
+        for (int l = 0; l < joints; ++l) left[i] -= J[l * W + i] * rate[l];
+    }
+    if (condition < task->condition) mrts_least_joints(joints, split, left, step);
+    else condition = mrts_regular_joints(joints, J, task->condition, left, step);
+    for (int l = 0; l < joints; ++l) rate[l] += step[l];
+    return condition;
+}
+
+/* The nearest to given rates with J q' = v and J q'' = a - J' q'; of redundant arms with a reference what is preferred. */
 static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, const double *reference,
                              const unsigned char *left_out, const double *q, double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
@@ -470,7 +495,7 @@ static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, con
     mrts_null_space spaces[R];
     double F[W * R], change[M];
     const double nothing[MRTS_MOST_JOINTS] = {0};
-    mrts_null_spaces(&task->wish, task->fold, task->geometry, q, reference, J_all, spaces, F);
+    if (reference) mrts_null_spaces(&task->wish, task->fold, task->geometry, q, reference, J_all, spaces, F);
 #else
     (void)reference;
 #endif
@@ -478,18 +503,13 @@ static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, con
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
         const double *J = J_all + W * first;
         held->folds[robot] = 0;
-        for (int i = 0; i < joints; ++i) dq[first + i] = ddq[first + i] = 0;
         if (left_out[robot]) continue;
         mrts_split_joints(joints, J, splits + robot);
-        held->condition[robot] = splits[robot].condition;
-        if (!(held->condition[robot] < task->condition) && held->condition[robot] < MRTS_INFINITY) {
-            held->condition[robot] = mrts_norm(joints, W, J) * mrts_norm(W, W, splits[robot].inverse);
-        }
         mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), at->rotation, at->twist, at->acceleration, velocity,
                        wanted + W * robot);
-        mrts_least_joints(joints, splits + robot, velocity, dq + first);
+        held->condition[robot] = mrts_add_least(task, joints, J, splits + robot, velocity, dq + first);
 #ifdef MRTS_REDUNDANT
-        if (joints > W) {
+        if (reference && joints > W) {
             mrts_add_preferred(joints, spaces + robot, nothing, dq + first);
             held->folds[robot] = spaces[robot].folds;
         }
@@ -497,23 +517,20 @@ static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, con
     }
     MRTS_BIAS_ACCELERATION(moving, biases);
 #ifdef MRTS_REDUNDANT
-    mrts_change_along(task->geometry, q, dq, spaces, F, change);
+    if (reference) mrts_change_along(task->geometry, q, dq, spaces, F, change);
 #endif
     for (int robot = 0; robot < R; ++robot) {
         const int first = MRTS_FIRST(robot), joints = MRTS_FIRST(robot + 1) - first;
         if (left_out[robot]) continue;
         for (int i = W * robot; i < W * (robot + 1); ++i) wanted[i] -= bias[i];
-        mrts_least_joints(joints, splits + robot, wanted + W * robot, ddq + first);
+        mrts_add_least(task, joints, J_all + W * first, splits + robot, wanted + W * robot, ddq + first);
 #ifdef MRTS_REDUNDANT
-        if (joints > W) mrts_add_preferred(joints, spaces + robot, change + first, ddq + first);
+        if (reference && joints > W) mrts_add_preferred(joints, spaces + robot, change + first, ddq + first);
 #endif
     }
 }
 
-/*
- * One sample from joints that are predicted well, as along a smooth motion: that takes one evaluation of the kinematics
- * and one factorisation of each Jacobian, which is used for everything.
- */
+/* One sample from joints that are predicted well takes one evaluation of the kinematics, one factorisation of each arm. */
 
 /* Largest step [rad or m] after which the Jacobian before it counts as that after it: its share of an error of q'. */
 #define MRTS_FINE 1e-11
@@ -522,26 +539,6 @@ static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, con
 enum { MRTS_QUICK = 4 };
 
 #ifndef MRTS_UNEVEN
-
-/* J' q' of one arm in cell components from the columns of J alone: a joint turns every column behind it about its axis,
- * and one behind it moves with it. */
-static void mrts_bias_of_columns(const mrts_tracking *task, const double *J, const double *dq, double *bias) {
-    enum { W = MRTS_SIZE };
-    double before[3] = {0}, six[6] = {0};
-    for (int l = 0; l < W; ++l) {
-        double column[6] = {0}, both[3], moved[3], turned[3];
-        for (int i = 0; i < W; ++i) column[task->components[i]] = J[l * W + i];
-        for (int i = 0; i < 3; ++i) both[i] = 2 * before[i] + column[3 + i] * dq[l];
-        mrts_cross(both, column, moved);
-        mrts_cross(before, column + 3, turned);
-        for (int i = 0; i < 3; ++i) {
-            six[i] += moved[i] * dq[l];
-            six[3 + i] += turned[i] * dq[l];
-            before[i] += column[3 + i] * dq[l];
-        }
-    }
-    for (int i = 0; i < W; ++i) bias[i] = six[task->components[i]];
-}
 
 /* A Jacobian as the product of two triangles, for arms with as many joints as wrench components. */
 typedef struct {
@@ -577,9 +574,9 @@ static void mrts_solve_jacobian(const mrts_factors *factors, const double *y, do
 static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, const unsigned char *left_out, double *now,
                              double *dq, double *ddq, mrts_held *held) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
-    double tips[3 * R], rotations[9 * R], J[W * M], off[3], turned[3], error[W], step[W];
-    const double *const given[] = {now, task->geometry};
-    double *const poses[] = {tips, rotations, J};
+    double tips[3 * R], rotations[9 * R], J[W * M], off[3], turned[3], error[W], step[W], change[W * R], bias[W * R];
+    const double *const given[] = {now, task->geometry}, *const moving[] = {now, dq, task->geometry};
+    double *const poses[] = {tips, rotations, J}, *const biases[] = {bias};
     mrts_factors factors[R];
     for (int iteration = 0; iteration < MRTS_QUICK; ++iteration) {
         double largest = 0, furthest = 0;
@@ -602,17 +599,19 @@ static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, con
         if (!(largest <= task->longest)) return 0;
         if (largest > MRTS_FINE || !(furthest <= task->reached)) continue;
         for (int robot = 0; robot < R; ++robot) {
-            double velocity[W], change[W], bias[W];
-            for (int i = 0; i < W; ++i) dq[W * robot + i] = ddq[W * robot + i] = 0;
+            double velocity[W];
             held->drift[robot] = 0;
             held->folds[robot] = 0;
             if (left_out[robot]) continue;
             mrts_tip_rates(task, MRTS_ARM(task->geometry, robot), at->rotation, at->twist, at->acceleration, velocity,
-                           change);
+                           change + W * robot);
             mrts_solve_jacobian(factors + robot, velocity, dq + W * robot);
-            mrts_bias_of_columns(task, J + W * W * robot, dq + W * robot, bias);
-            for (int i = 0; i < W; ++i) change[i] -= bias[i];
-            mrts_solve_jacobian(factors + robot, change, ddq + W * robot);
+        }
+        MRTS_BIAS_ACCELERATION(moving, biases);
+        for (int robot = 0; robot < R; ++robot) {
+            if (left_out[robot]) continue;
+            for (int i = W * robot; i < W * (robot + 1); ++i) change[i] -= bias[i];
+            mrts_solve_jacobian(factors + robot, change + W * robot, ddq + W * robot);
         }
         return 1;
     }
@@ -620,8 +619,6 @@ static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, con
 }
 
 #endif
-
-/* Inverse kinematics at a sample of a path, from positions that those before it predict. */
 
 /* How far the prediction from two samples may be from that of one [rad or m]: beyond, something jumps. */
 #define MRTS_SMOOTH 1e-2
@@ -671,6 +668,7 @@ static void mrts_track_sample(const mrts_tracking *task, const double *time, con
     enum { M = MRTS_JOINTS };
     const mrts_path at = {path->position + 3 * n, path->rotation + 9 * n, path->twist + 6 * n, path->acceleration + 6 * n};
     double taylor[M], now[M];
+    for (int i = 0; i < M; ++i) dq[i] = ddq[i] = 0;
     if (n == 0) {
         for (int i = 0; i < M; ++i) taylor[i] = q[i];
     } else {
@@ -688,8 +686,6 @@ static void mrts_track_sample(const mrts_tracking *task, const double *time, con
     mrts_joint_rates(task, &at, reference, left_out, q, dq, ddq, held);
     mrts_note_jumps(q, taylor, held);
 }
-
-/* The joints of many variants of a cell along its motion: where each starts, and how its arms follow from there. */
 
 typedef struct {
     mrts_tracking task;         /* of the steps at a sample; the geometry is each variant's */
@@ -911,17 +907,20 @@ MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_foll
     }
 }
 
-/* Joints that hold the grasps at one sample each, (count, joints): from q on, which they replace. Of references there may
- * be none; strides as above. */
+/* Joints that hold the grasps at one sample each, (count, joints): from q on, and the rates nearest to those given, which
+ * they replace. Of references and of rates there may be none; strides as above. */
 MRTS_EXPORT void mrts_hold(long long count, const mrts_tracking *task, const double *const *given, const long long *stride,
-                           double *q, double *gap, double *turn, double *drift) {
-    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, POSITION = 0, ROTATION, REFERENCE, GIVEN };
+                           double *q, double *dq, double *ddq, double *gap, double *turn, double *drift) {
+    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, POSITION = 0, ROTATION, REFERENCE, TWIST, ACCELERATION, GIVEN };
     const unsigned char left_out[R] = {0};
+    mrts_held held;
     for (long long n = 0; n < count; ++n, q += M, gap += R, turn += R, drift += R) {
         const double *of[GIVEN];
         double now[M];
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] ? given[i] + n * stride[i] : given[i];
+        const mrts_path at = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
         for (int i = 0; i < M; ++i) now[i] = q[i];
-        mrts_hold_grasps(task, of[POSITION], of[ROTATION], of[REFERENCE], left_out, now, q, gap, turn, drift);
+        mrts_hold_grasps(task, at.position, at.rotation, of[REFERENCE], left_out, now, q, gap, turn, drift);
+        if (dq) mrts_joint_rates(task, &at, 0, left_out, q, dq + n * M, ddq + n * M, &held);
     }
 }
