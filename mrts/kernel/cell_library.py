@@ -3,6 +3,7 @@
 
 import ctypes
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from mrts.kernel.c_text import SELDOM
 LIMITS, TERMS = (structure("rows.h", f"mrts_{name}") for name in ("limits", "terms"))
 
 
+@cache
 def range_record(unknowns: int) -> np.dtype[np.void]:
     """The range of a sample, of so many unknowns, c² last: `mrts_range` of trajectory.c."""
     made: np.dtype[np.void] = np.dtype(structure("trajectory.c", "mrts_range", MRTS_CURVED=unknowns + 1))

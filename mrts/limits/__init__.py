@@ -11,7 +11,14 @@ from functools import lru_cache
 from mrts.base.arrays import freeze
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.cell_limits import contact_limits, motor_limits, torque_limits, velocity_limits, wrench_limits
+from mrts.limits.cell_limits import (
+    KNOWN_CELLS,
+    contact_limits,
+    motor_limits,
+    torque_limits,
+    velocity_limits,
+    wrench_limits,
+)
 from mrts.limits.motion_limits import acceleration_limits, carried_limits, point_limits
 from mrts.limits.rows import LimitRows, checked_rows, stack_rows
 
@@ -26,9 +33,6 @@ CELL_LIMITS: tuple[Callable[[Cell, CoordinatedMotion], LimitRows | None], ...] =
 
 FIXED = 2
 """The first of them are the same along any motion."""
-
-KNOWN_CELLS = 16
-"""Cells whose rows of these are kept, of those asked last: a call needs them two or three times."""
 
 
 def rows_by_limit(
@@ -55,13 +59,14 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows, others = _fixed(cell), [rows.bounded() for _, rows in rows_by_limit(cell, motion, FIXED)]
+    rows, others = fixed_rows(cell), [rows.bounded() for _, rows in rows_by_limit(cell, motion, FIXED)]
     rows = stack_rows([rows, *others]) if others else rows
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 
 @lru_cache(maxsize=KNOWN_CELLS)
-def _fixed(cell: Cell) -> LimitRows:
+def fixed_rows(cell: Cell) -> LimitRows:
+    """The first rows of `limit_rows`, the same along any motion, but for a reserve."""
     rows = stack_rows([torque_limits(cell), wrench_limits(cell)]).bounded()
     freeze(rows)
     return rows

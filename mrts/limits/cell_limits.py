@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: MIT
 """The limits of a cell file: torques, wrenches, what hands can exert, velocities, torque-speed curves."""
 
+from dataclasses import replace
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, freeze
 from mrts.cell.cell import Cell
 from mrts.cell.hands import in_object_axes
 from mrts.cell.motors import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, joint_rows, object_axes, row_names, wrench_rows
+
+KNOWN_CELLS = 16
+"""Cells whose rows that are the same along any motion are kept, of those asked last: a call needs them a few times."""
 
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
@@ -57,13 +63,20 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
 
 def velocity_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity."""
+    x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
+    speed = np.concatenate([motion.dq, np.sqrt(x**2 + y**2 + z**2)], axis=1)
+    return replace(_velocity_sides(cell), speed=speed)
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def _velocity_sides(cell: Cell) -> LimitRows:
     names = joint_rows(cell, "velocity", "position_units", "/s")
     of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
-    x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
     limit = np.append(cell.stacked("velocity_limit"), cell.object_velocity_limit)
     least = np.append(-limit[:-2], [-np.inf, -np.inf])  # the object's are sizes
-    speed = np.column_stack([motion.dq, np.sqrt(x**2 + y**2 + z**2)])
-    return LimitRows.of(cell, names + of_object, least, limit, speed=speed)
+    rows = LimitRows.of(cell, names + of_object, least, limit)
+    freeze(rows)
+    return rows
 
 
 def curve_rows(cell: Cell) -> tuple[list[RowName], NDArray[np.intp], Array, Array]:

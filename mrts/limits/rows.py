@@ -381,7 +381,8 @@ class LimitRows:
         for name in COLUMNS:
             column = getattr(self, name)
             if column is not None:
-                some[name] = column[:, places] if np.any(column[:, places]) else None
+                part = column[:, places]
+                some[name] = part if part.any() else None
         return with_part(self, OF_ROWS, places, **some)
 
     def bounded(self) -> "LimitRows":

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, with_part
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.binding import filled, work_arrays
 from mrts.kernel.cell_library import TERMS, Terms, sample_inputs
-from mrts.limits import limit_rows
+from mrts.limits import fixed_rows, limit_rows
 from mrts.limits.rows import LimitRows, few_sides, kernel_limits, moved
 from mrts.motion.rows_at_rest import REST
 from mrts.program.formulation import FormulationName
@@ -138,8 +138,11 @@ class MotionRows:
 
     @cached_property
     def kept(self) -> LimitRows:
-        """The rows that are no caps."""
-        return self.rows.only(~self.is_cap)
+        """The rows that are no caps: often those that any motion has, which C can read already."""
+        fixed = fixed_rows(self.cell)
+        caps = self.is_cap[len(fixed.names) :]
+        alike = not self.cell.reserve and len(caps) == np.count_nonzero(self.is_cap) and caps.all()
+        return fixed if alike else self.rows.only(~self.is_cap)
 
     @cached_property
     def compiled(self) -> bool:
@@ -203,24 +206,6 @@ class MotionRows:
     def along(self, motion: CoordinatedMotion) -> "MotionRows":
         """The rows of the same cell and the same programs along another motion."""
         return motion_rows(self.cell, motion, self.sharing, self.formulation, self.solver)
-
-    def at_rest(self, samples: NDArray[np.intp]) -> "MotionRows":
-        """The rows at k samples where the joints stand, so that no friction opposes a motion and no row has the speed.
-
-        To call `motion_rows` instead cost 6 % of a timing.
-        """
-        there, sharing = self.motion.at(samples), self.sharing
-        nothing = np.zeros_like(there.q)
-        if sharing is not None and sharing.varies:
-            sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
-        return replace(
-            self,
-            motion=unchecked_coordinated_motion(there.object, there.q, nothing, nothing),
-            sharing=sharing,
-            rows=replace(self.rows.at(samples), rate=None, speed=None, square=None),
-            cap_share=np.zeros((len(samples), self.cap_share.shape[1])),
-            motors=None,
-        )
 
     def terms(self, speed: float | Array | None, samples: NDArray[np.intp] | None) -> Terms:
         """What is added to the kept rows, with terms in ṙ put in, or left; as in `over_samples`."""

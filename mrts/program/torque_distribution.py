@@ -48,27 +48,32 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
 
 
 def motion_torques(
-    rows: MotionRows, c2: float, weights: Array, distribute: DistributionName = "least-torque"
+    rows: MotionRows,
+    c2: float,
+    weights: Array,
+    distribute: DistributionName = "least-torque",
+    samples: NDArray[np.intp] | None = None,
 ) -> tuple[Array, Array]:
-    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c².
+    """Torques, Shape (k, m), and wrenches, Shape (k, n w), at a chosen c², of all samples or k of them.
 
     The weights are W, Shape (m, m). By "reserve" the limits count as they are given, whatever reserve the cell keeps.
     """
+    places = np.arange(rows.motion.samples) if samples is None else samples
     if distribute == "reserve":
         cell, whole = rows.cell, rows
         if cell.reserve:
             whole = motion_rows(cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation, rows.solver)
-        return torques_by_blocks(whole, c2, weights, within=lambda problem: reserved(problem, c2))
+        return torques_by_blocks(whole, c2, weights, samples, lambda problem: reserved(problem, c2))
     if rows.solver != DEFAULT_SOLVER or not rows.compiled:
-        return torques_by_blocks(rows, c2, weights)
-    count, library = rows.motion.samples, rows.cell.library
+        return torques_by_blocks(rows, c2, weights, samples)
+    count, library = len(places), rows.cell.library
     torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))
     status = np.full(count, STOPPED, dtype=np.uint8)
-    asked, outputs = [np.full(count, c2)], (torque, wrench, status)
-    rows.over_samples("mrts_torques", asked, outputs, (1, weights, TORQUE_WIDENING), speed=float(np.sqrt(c2)))
+    asked, outputs, for_all = [np.full(count, c2)], (torque, wrench, status), (1, weights, TORQUE_WIDENING)
+    rows.over_samples("mrts_torques", asked, outputs, for_all, speed=float(np.sqrt(c2)), samples=samples)
     missing = (status != OPTIMAL).nonzero()[0]
     if missing.size:
-        torque[missing], wrench[missing] = torques_by_blocks(rows, c2, weights, missing)
+        torque[missing], wrench[missing] = torques_by_blocks(rows, c2, weights, places[missing])
     return torque, wrench
 
 

@@ -359,11 +359,12 @@ def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
     cell, motion = rows.cell, rows.motion
     held, places = np.array(pushing_ends(motion.dq, motion.ddq)), np.array([0, motion.samples - 1])
     torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
+    still = rows if rows.motors is None else replace(rows, motors=None)  # no friction opposes a motion
     if held.any():
-        held &= motion_widening(rows.at_rest(places), np.zeros(2)) <= TORQUE_WIDENING
+        held &= motion_widening(still, np.zeros(2), None, places) <= TORQUE_WIDENING
     if held.any():  # where one end has none, the other stands for both
-        still = rows.at_rest(places[held][[0, -1]])
-        found = motion_torques(still, 0.0, weights, options.distribute)
+        kept = places[held][[0, -1]]
+        found = motion_torques(still, 0.0, weights, options.distribute, kept)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found)
     return Holding((bool(held[0]), bool(held[1])), torque, wrench)
 
