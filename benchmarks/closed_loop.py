@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import mrts
-from mrts.simulation.simulate import LIKELY, Simulation, Trials
+from mrts.control.simulate import LIKELY, Simulation, Trials
 
 DATA = Path(mrts.__file__).parent / "data"
 

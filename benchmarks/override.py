@@ -12,9 +12,9 @@ import numpy as np
 
 import mrts
 from mrts.base.arrays import Array
+from mrts.control.override_tables import TICK
+from mrts.control.speed_override import random_wishes, wanted_at_ticks
 from mrts.following.coordinated_motion import carried_by_first
-from mrts.override.speed_override import random_wishes, wanted_at_ticks
-from mrts.override.tables import TICK
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
 from mrts.scaling.scaled_trajectory import ScaledTrajectory

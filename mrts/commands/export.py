@@ -50,10 +50,10 @@ def run(
         make -C embedded/my_cell test example
     """
     from mrts.cell.generation import export_to
+    from mrts.control.speed_override import SpeedOverride
     from mrts.following.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
     from mrts.output.embedded_tables import embedded_limits, make_vectors, own_motion
-    from mrts.override.speed_override import SpeedOverride
 
     if is_folder(cell):
         raise InputError(cell, "an export starts from the cell file, not from a generated folder.")

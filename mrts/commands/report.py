@@ -32,9 +32,9 @@ def run(result: Path, output: Path, cell: Path | None = None, rates: "Rates | No
         mrts report found -o report.html                          of what mrts sweep wrote into the folder found
         mrts scale cell.yaml motion.yaml --report report.html     without saving the result
     """
+    from mrts.control.speed_override import SpeedOverride
+    from mrts.output.report_page import write_report
     from mrts.output.saved_result import load_result
-    from mrts.override.speed_override import SpeedOverride
-    from mrts.report import write_report
 
     if rates is not None and cell is None:
         raise InputError("rates", "are those of stops, which take --cell.", value=rates)
@@ -49,8 +49,8 @@ def run(result: Path, output: Path, cell: Path | None = None, rates: "Rates | No
 
 
 def _report_study(folder: Path, output: Path) -> int:
+    from mrts.output.report_page import write_report
     from mrts.plots.study_plots import outcome_text, read_study_table
-    from mrts.report import write_report
 
     found = read_study_table(folder)
     write_report(found, output)

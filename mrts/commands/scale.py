@@ -17,11 +17,11 @@ from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
+    from mrts.control.simulate import ReserveSearch
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.plots.card import Card
     from mrts.scaling.result import ScalingResult
-    from mrts.simulation.simulate import ReserveSearch
     from mrts.timing.result import RetimingResult
 
 PROFILES = ("constant", "optimal", "smooth")
@@ -116,7 +116,7 @@ def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **give
     solved, search = partial(_solved, motion=motion_given, profile=profile, given=given), None
     try:
         if automatic:
-            from mrts.simulation.simulate import least_reserve
+            from mrts.control.simulate import least_reserve
 
             search = least_reserve(lambda reserve: solved(limited.with_reserve(reserve)))
         found = (search and search.found) or solved(limited)
@@ -220,6 +220,6 @@ def _write(
         of_search = [] if search is None else [reserve_plot(search)]
         outputs.write(files["plot"], lambda folder: write_plots([*result_plots(found), *of_search], folder))
     if "report" in files:
-        from mrts.report import write_report
+        from mrts.output.report_page import write_report
 
         outputs.write(files["report"], partial(write_report, found))

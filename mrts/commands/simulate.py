@@ -50,10 +50,10 @@ def run(
         mrts simulate cell.yaml result.npz --override random:1
         mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest
     """
-    from mrts.override.speed_override import random_wishes, read_wishes
-    from mrts.simulation.controller import Controller, PlantErrors, with_settings
-    from mrts.simulation.plan_file import load_plan
-    from mrts.simulation.simulate import simulate
+    from mrts.control.controller import Controller, PlantErrors, with_settings
+    from mrts.control.plan_file import load_plan
+    from mrts.control.simulate import simulate
+    from mrts.control.speed_override import random_wishes, read_wishes
 
     require_extra("mrts simulate", "simulate", "mujoco")
     controller, errors = with_settings(Controller(), PlantErrors(), dict(map(_setting, given)))
@@ -74,7 +74,7 @@ def run(
 
         outputs.write(plot, lambda folder: write_plots([simulation_plot(found)], folder))
     if report is not None:
-        from mrts.report import write_report
+        from mrts.output.report_page import write_report
 
         outputs.write(report, lambda file: write_report(found, file))
     return outputs.answer(found.lines(every=verbose), FEASIBLE if found.kept else INFEASIBLE)

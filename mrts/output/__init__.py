@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A result as files and text.
+"""A result as files: saved, as tables and bags, for a controller, and as a report, one HTML file that opens offline.
 
-May import base to starting. Start at `saved_result.py`.
+May import base to starting. Start at `saved_result.py`; `report_page.py` needs the extra 'report' (plotly, Jinja).
 """

@@ -15,7 +15,7 @@ from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.motors import EFFECTS
 from mrts.cell.points import PointLimit
-from mrts.collisions.bodies import tip_at_posture
+from mrts.following.bodies import tip_at_posture
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit

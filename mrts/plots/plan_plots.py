@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from mrts.override.speed_override import Stops
+from mrts.control.simulate import ReserveSearch, Simulation
+from mrts.control.speed_override import Stops
 from mrts.plots.plot import (
     ADMISSIBLE,
     COLOURS,
@@ -22,7 +23,6 @@ from mrts.plots.plot import (
     value_ends,
 )
 from mrts.plots.trajectory_plots import QUANTITIES, LimitShares, by_robot, by_unit, percent_panel, quantities_panel
-from mrts.simulation.simulate import ReserveSearch, Simulation
 
 
 def simulation_plot(found: Simulation) -> Plot:

@@ -14,7 +14,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.generation import urdf_of
 from mrts.cell.robot import Robot
-from mrts.collisions.bodies import posed_urdf, reading_meshes
+from mrts.following.bodies import posed_urdf, reading_meshes
 from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, Rgb, arm_colour
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class ArmMesh:
     """A part of an arm that one body carries.
 
     Attributes:
-        body: 0 stands with the base, k is moved by the first k joints (`mrts.collisions.bodies.body_poses`).
+        body: 0 stands with the base, k is moved by the first k joints (`mrts.following.bodies.body_poses`).
         mesh: In base axes with every joint of the chain at zero [m].
         own: Its colour.
         marks: Whether it shows that its body's joint decides how fast the motion may be played.

@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.collisions.bodies import body_poses
+from mrts.following.bodies import body_poses
 from mrts.plots.plot import COLOURS
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 

@@ -12,7 +12,7 @@ from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks import link_lengths
 from mrts.cell.robot import Robot
-from mrts.collisions.bodies import body_poses
+from mrts.following.bodies import body_poses
 from mrts.scene.arm_meshes import arm_meshes
 
 NO_LEVER = 1e-3

@@ -29,7 +29,7 @@ from mrts.cell.cell import Cell, uncompiled_cell
 from mrts.cell.generation import is_generated, read_without_generating
 from mrts.cell.remarks import COLLISIONS_UNKNOWN, friction_sources, torque_source
 from mrts.cell.robot import JOINT_HEAD, Robot
-from mrts.collisions.clearance import Clearance, clearance_remarks
+from mrts.following.clearance import Clearance, clearance_remarks
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion, follow_object
 from mrts.following.tracking import branches_at_start, follow_from

@@ -11,7 +11,7 @@ from mrts.base.formats.record import Pose
 from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.cell.cell import Cell
-from mrts.collisions.bodies import tip_at_posture
+from mrts.following.bodies import tip_at_posture
 
 
 def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> Cell:

@@ -15,7 +15,8 @@ from mrts.base.atomic_file import JsonOutput
 from mrts.base.errors import InputError, Remark, as_path, check_type, printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
-from mrts.collisions.clearance import Clearance, clearance_remarks
+from mrts.control.plan_file import read_plan
+from mrts.following.clearance import Clearance, clearance_remarks
 from mrts.following.coordinate import ClosureBound, grasp_gaps, mean_object
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
 from mrts.limits.rows import RowName, joint_rows, row_names
@@ -29,7 +30,6 @@ from mrts.program.torque_distribution import torque_weights, torques_by_blocks
 from mrts.scaling.limit_use import LimitedQuantities, LimitUse, by_share, limits_table
 from mrts.scaling.remarks import overload_remarks
 from mrts.scaling.scaled_trajectory import ScaledTrajectory, least_wrenches
-from mrts.simulation.plan_file import read_plan
 
 PLACES = np.array([0.25, 0.5, 0.75])
 """Where between two rows limits are evaluated, as shares of the step."""

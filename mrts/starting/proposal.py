@@ -16,7 +16,7 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import pose_keys
-from mrts.collisions.clearance import clearance_remarks
+from mrts.following.clearance import clearance_remarks
 from mrts.motion.motion_file import load_motion
 from mrts.program.between_samples import BETWEEN
 from mrts.scaling.result import ScalingResult

@@ -30,7 +30,7 @@ from mrts.base.errors import (
 from mrts.base.held_interrupt import held_interrupt
 from mrts.base.words import aligned
 from mrts.cell.cell_keys import value_at
-from mrts.collisions.clearance import clearance_remarks
+from mrts.following.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.between_samples import BETWEEN, checked_tolerance

@@ -25,7 +25,7 @@ from mrts.base.yaml_text import MAX_YAML_BYTES, parse_yaml, yaml_text
 from mrts.cell.cell import Cell, load_cell
 from mrts.cell.cell_file import CellDescription
 from mrts.cell.cell_keys import ONE_FOR_ALL, Keys, cell_keys, set_value, value_at
-from mrts.collisions.clearance import CollisionModel
+from mrts.following.clearance import CollisionModel
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import NO_SPEED, JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion

@@ -16,7 +16,7 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import Keys
-from mrts.collisions.clearance import clearance
+from mrts.following.clearance import clearance
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
 from mrts.following.tracking import TrackedVariants, track_variants

@@ -7,11 +7,11 @@ from importlib.resources import files
 import numpy as np
 
 from mrts.base.errors import MrtsError, Remark, html_text
-from mrts.collisions.clearance import Clearance
+from mrts.control.simulate import Simulation
+from mrts.following.clearance import Clearance
 from mrts.plots.card import Card
 from mrts.scaling.limit_use import Nearness
 from mrts.scene.scene import FORCE, MOMENT
-from mrts.simulation.simulate import Simulation
 from mrts.viewer.player_state import HeldPoses, PlayerState
 
 OVER = "var(--mrts-over)"

@@ -7,8 +7,8 @@ from math import ceil, floor, log10
 import viser
 
 from mrts.base.errors import MrtsError
-from mrts.override.speed_override import OverrideState, SpeedOverride
-from mrts.override.tables import TICK
+from mrts.control.override_tables import TICK
+from mrts.control.speed_override import OverrideState, SpeedOverride
 from mrts.scene.scene import PACES, suited_pace
 from mrts.viewer.controls import DECIMALS, Later, assign, set_slider
 from mrts.viewer.panel import text_html

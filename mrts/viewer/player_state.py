@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.collisions.bodies import tip_at_posture
+from mrts.following.bodies import tip_at_posture
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.limits import limit_rows

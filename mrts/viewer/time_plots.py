@@ -11,13 +11,13 @@ import numpy as np
 import viser
 
 from mrts.base.errors import html_text
+from mrts.control.simulate import Simulation
 from mrts.plots.plan_plots import closed_loop_panel
 from mrts.plots.plot import END_COLOURS, Axis, Line, Panel, level, shortened, time_axis
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
 from mrts.plots.trajectory_plots import limits_plot
 from mrts.scaling.result import ScalingResult
-from mrts.simulation.simulate import Simulation
 from mrts.viewer.workbench import Answer
 
 HEIGHT = 130

@@ -23,11 +23,11 @@ from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import CellChange, Changed, machine_of, with_machine_at
 from mrts.cell.cell_keys import cell_keys, pose_keys
-from mrts.collisions.clearance import Clearance, clearance_remarks
+from mrts.control.simulate import Simulation, simulate
+from mrts.following.clearance import Clearance, clearance_remarks
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.simulation.simulate import Simulation, simulate
 from mrts.viewer.player_state import HeldPoses, PlayerState, Profile, held_poses, play, still_motion
 
 TORQUE_RATE = 11.0

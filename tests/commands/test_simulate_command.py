@@ -8,8 +8,8 @@ from command_line import mrts_command
 from shipped_cells import DATA
 
 import mrts
-from mrts.simulation import simulate as simulation
-from mrts.simulation.plan_file import load_plan
+from mrts.control import simulate as simulation
+from mrts.control.plan_file import load_plan
 
 CELL = DATA / "planar_dual_arm" / "cell.yaml"
 

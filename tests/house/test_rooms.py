@@ -24,7 +24,7 @@ SHARED = (
 )
 """What the build time makes of a cell."""
 
-APART = ("report", "viewer")
+APART = ("output", "viewer")
 """Each has its own library, and none the other's."""
 
 ROOT_FILES = {"__init__.py", "__init__.pyi", "__main__.py", "cli.py", "py.typed"}

@@ -19,9 +19,9 @@ from scipy.spatial.transform import Rotation
 import mrts
 from mrts.cell.cell_file import CellDescription
 from mrts.cell.points import CarriedThing
+from mrts.control.plant import quaternion
 from mrts.limits.motion_limits import arm_point, norm_rows, object_point
 from mrts.limits.rows import RowName
-from mrts.simulation.plant import quaternion
 
 STEP = 1e-4
 """Of the simulation [s]."""

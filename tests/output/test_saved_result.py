@@ -16,9 +16,9 @@ from shown_results import result_of, with_changes
 
 import mrts
 from mrts.limits.cell_limits import torque_limits
+from mrts.output.report_page import report_html
 from mrts.output.trajectory_table import played_rows
 from mrts.plots.card import answer_card, answer_lines
-from mrts.report import report_html
 
 OTHERS = {
     "chosen": lambda cell, lift: mrts.scale(cell, lift, 0.5, weights=np.arange(1.0, 7.0), formulation="torque"),

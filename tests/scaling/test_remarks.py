@@ -11,7 +11,7 @@ from motion_tables import QUATERNION_NAMES, write_table
 import mrts
 from mrts.base.errors import Remark
 from mrts.motion.object_courses import PROFILES, ProfiledPath, geodesic_rates, spline_motion
-from mrts.report import report_html
+from mrts.output.report_page import report_html
 
 pytestmark = pytest.mark.quick
 

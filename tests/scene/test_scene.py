@@ -15,7 +15,7 @@ from shipped_cells import cell_of_arms
 
 import mrts
 from mrts.cell.generation import urdf_of
-from mrts.collisions.bodies import body_poses
+from mrts.following.bodies import body_poses
 from mrts.plots.card import answer_card
 from mrts.scene.arm_meshes import arm_meshes, drawn_arms, name_place, shares_base
 from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at

@@ -12,7 +12,7 @@ import yaml
 from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_given
 
 import mrts
-from mrts.collisions.bodies import tip_at_posture
+from mrts.following.bodies import tip_at_posture
 from mrts.motion.motion_file import MotionDescription
 from mrts.plots.plot import Line
 from mrts.viewer import workbench

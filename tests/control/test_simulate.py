@@ -10,10 +10,10 @@ from random_motors import equipped
 from shipped_cells import DATA
 
 import mrts
+from mrts.control import simulate as simulation
+from mrts.control.controller import with_settings
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.plots import reserve_plot
-from mrts.simulation import simulate as simulation
-from mrts.simulation.controller import with_settings
 
 EXACT = mrts.PlantErrors(mass=0.0, friction_error=0.0)
 

@@ -49,7 +49,7 @@ def document(template: str, title: str, data: dict[str, Any], **context: Any) ->
         return packed(json.dumps({"plots": plots, **data}, allow_nan=False, separators=(",", ":")))
 
     environment = Environment(
-        loader=PackageLoader("mrts.report"),
+        loader=PackageLoader("mrts.output"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -85,4 +85,4 @@ def _sentence(text: str) -> str:
 
 
 def _file(name: str) -> str:
-    return (files("mrts") / "report" / name).read_text(encoding="utf-8")
+    return (files("mrts") / "output" / name).read_text(encoding="utf-8")

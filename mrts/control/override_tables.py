@@ -21,6 +21,7 @@ from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError
 from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
+from mrts.control.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.kernel.binding import INFINITY, structure
 from mrts.kernel.c_text import OVERRIDE, override_source
@@ -28,7 +29,6 @@ from mrts.kernel.compiler import compiled_library
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes, turned
 from mrts.motion.rows_at_rest import REST
-from mrts.override.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
 from mrts.program.between_samples import BETWEEN
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array, as_path, check_type, is_number, printable
+from mrts.control.override_tables import STARTS, TICK, limit_tables, rate_tables
+from mrts.control.plan_nodes import plan_of
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.csv_motion import read_columns, row_times
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.override.plan_nodes import plan_of
-from mrts.override.tables import STARTS, TICK, limit_tables, rate_tables
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory

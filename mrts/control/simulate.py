@@ -16,14 +16,14 @@ from mrts.base.errors import InputError, Progress, check_callable, check_type, i
 from mrts.base.formats.record import dumped
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.words import aligned
+from mrts.control.controller import Controller, PlantErrors
+from mrts.control.plan_nodes import resting_trajectory, trajectory_of
+from mrts.control.speed_override import SpeedOverride, commanded, wanted_at_ticks
 from mrts.limits.rows import RowName
-from mrts.override.plan_nodes import resting_trajectory, trajectory_of
-from mrts.override.speed_override import SpeedOverride, commanded, wanted_at_ticks
 from mrts.program.rate_limits import Rates
 from mrts.scaling.limit_use import LimitUse
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.simulation.controller import Controller, PlantErrors
 from mrts.timing.result import RetimingResult
 
 STEP, FINEST = 1e-5, 1e-6
@@ -452,7 +452,7 @@ def _played(
     plan: ScaledTrajectory, controller: Controller, errors: PlantErrors, rng: np.random.Generator
 ) -> tuple[ScaledTrajectory, float]:
     """What becomes of a plan, and the share of the motion's commands that were cut."""
-    from mrts.simulation.plant import Plant, without_log  # noqa: PLC0415 (the extra 'simulate')
+    from mrts.control.plant import Plant, without_log  # noqa: PLC0415 (the extra 'simulate')
 
     period = 1 / controller.rate
     steps = int(np.ceil(period / STEP))  # of the simulation in a period of the controller

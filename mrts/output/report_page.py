@@ -6,17 +6,17 @@ from types import NoneType
 
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError, as_path, check_type
-from mrts.override.speed_override import Stops
+from mrts.control.simulate import Simulation
+from mrts.control.speed_override import Stops
+from mrts.output import report_tables as tables
+from mrts.output.report import document
+from mrts.output.report_player import player
 from mrts.plots import phase_plane, range_plots, study_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.plan_plots import simulation_plot, stops_plot
 from mrts.plots.study_plots import StudyTable
-from mrts.report import tables
-from mrts.report.document import document
-from mrts.report.player import player
 from mrts.scaling.result import ScalingResult
 from mrts.scene.scene import PACES
-from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
 
 

@@ -9,8 +9,8 @@ from random_motors import equipped
 from shipped_cells import DATA
 
 import mrts
-from mrts.override.speed_override import commanded, random_wishes, read_wishes, wanted_at_ticks
-from mrts.simulation.simulate import kept_uses
+from mrts.control.simulate import kept_uses
+from mrts.control.speed_override import commanded, random_wishes, read_wishes, wanted_at_ticks
 
 SAME = 1e-6
 """Share of a limit by which the override at 1 differs from the plan where its ticks are the plan's samples."""

@@ -13,10 +13,10 @@ from mrts.base.errors import InputError, SolverError
 from mrts.base.rigid_transform import quaternions_from_rotations, rotations_from_quaternions
 from mrts.cell.cell import Cell
 from mrts.cell.generation import chain_of
+from mrts.control.controller import PlantErrors
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.simulation.controller import PlantErrors
 
 SPATIAL = 6
 """Components of a grasp."""

@@ -9,8 +9,8 @@ from random_motors import equipped
 from shipped_cells import DATA, changed_cell
 
 import mrts
-from mrts.simulation.controller import PlantErrors
-from mrts.simulation.plant import Plant, mujoco
+from mrts.control.controller import PlantErrors
+from mrts.control.plant import Plant, mujoco
 
 SAME_TORQUE = 2e-11
 """[N m]; rounding of a thousand operations on terms of some hundred."""

@@ -14,7 +14,7 @@ from study_files import planar_study, write_study
 
 import mrts
 from mrts.base.formats.record import dumped
-from mrts.collisions.clearance import RESOLUTION, SHARE, CollisionModel
+from mrts.following.clearance import RESOLUTION, SHARE, CollisionModel
 from mrts.following.coordinate import coordinate
 from mrts.starting.check import check
 from mrts.studies.variants import solve_variants

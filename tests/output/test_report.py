@@ -13,10 +13,10 @@ from shown_results import AWKWARD, UGLY_JOINTS, with_awkward_names
 
 import mrts
 from mrts.cli import main
+from mrts.output.report_page import report_html
+from mrts.output.report_player import player
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import Line
-from mrts.report import report_html
-from mrts.report.player import player
 from mrts.scene.scene import Scene
 
 

@@ -19,7 +19,7 @@ from mrts.cell.generation import urdf_of
 from mrts.cell.record import BodyShape, mesh_surface
 from mrts.cell.remarks import COLLISIONS_UNKNOWN, NO_COLLISIONS
 from mrts.cell.robot import Robot
-from mrts.collisions.bodies import body_poses, mesh_file, posed_urdf, reading_meshes
+from mrts.following.bodies import body_poses, mesh_file, posed_urdf, reading_meshes
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
