@@ -31,7 +31,7 @@ from mrts.cell.generation import (
     read_to_generate,
 )
 from mrts.cell.record import CellRecord, read_generated
-from mrts.cell.robot import JOINT_HEAD, Robot, check_plane_kept
+from mrts.cell.robot import JOINT_HEAD, check_plane_kept
 from mrts.kernel.cell_library import CellLibrary
 
 OF_CELL = ("name", "plane", "wrench_components", "machines")
@@ -70,8 +70,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _check_generated(self)
-        _check_placement(self)
+        _check_changes(self)
         object.__setattr__(self, "functions", self.functions.placed(self.geometry))
 
     @classmethod
@@ -96,7 +95,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         Some rotations come back to rounding (2e-16), all other numbers as they are.
 
         Args:
-            path: File to write it to, whole or not at all; a URDF in its folder or below is then given relative to it.
+            path: File to write it to, whole or not at all; URDFs that are near are then given relative to it.
 
         Raises:
             InputError: If a cell file cannot hold what the cell is now, a URDF is not there as it was, or the file
@@ -335,25 +334,23 @@ def cell_to_compile(path: Path | str) -> Cell | None:
     return None if model is None else uncompiled_cell(model, path.resolve().parent)
 
 
-def _check_generated(cell: Cell) -> None:
+def _check_changes(cell: Cell) -> None:
+    """Check that a cell is what its functions were generated with, and that arms keep to the rules of the file."""
     made = cell.functions.manifest.cell
     ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
+    changed = [pair for pair in zip(cell.robots, made.robots, strict=False) if pair[0] is not pair[1]]
     pairs = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
     pairs.append(("robots", ours, theirs))
-    for robot, generated in _changed(cell):
+    for robot, generated in changed:
         where = f"robot '{robot.name}'"
         pairs += [(f"{where} {name}", getattr(robot, name), getattr(generated, name)) for name in OF_CHAINS]
     for key, one, other in pairs:
         if one is not other and dumped(one) != dumped(other):
             raise InputError("cell", IN_CHAINS, key=key)
-
-
-def _check_placement(cell: Cell) -> None:
-    """Check that arms which stand or hold elsewhere than their file says still keep to the rules of the file."""
-    for robot, _ in _changed(cell):
-        if cell.plane is not None:
+    if cell.plane is not None:
+        for robot, _ in changed:
             check_plane_kept(robot, cell.plane)
-    if any(ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)):
+    if any(robot.T_world_base is not generated.T_world_base for robot, generated in changed):
         _check_machines(cell)
 
 
@@ -381,9 +378,3 @@ def _check_machines(cell: Cell) -> None:
                 "one of them, or say so in a cell file, which is checked against the URDF.",
                 key="base",
             )
-
-
-def _changed(cell: Cell) -> Iterator[tuple[Robot, Robot]]:
-    """Robots that are others than those generated, with these."""
-    pairs = zip(cell.robots, cell.functions.manifest.cell.robots, strict=False)
-    return ((robot, generated) for robot, generated in pairs if robot is not generated)

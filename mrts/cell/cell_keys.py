@@ -18,7 +18,7 @@ from mrts.base.arrays import Array, without_infinity
 from mrts.base.atomic_file import resolved_path, write_text_atomically
 from mrts.base.errors import NEAREST_INERTIA, InputError, as_path, check_type, did_you_mean, is_number, joined
 from mrts.base.formats.record import Pose, Record, checked, dumped
-from mrts.base.input_file import is_uri, plain
+from mrts.base.input_file import is_uri, named_in, plain
 from mrts.base.load_box import UNITS
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_text import parse_yaml, yaml_text
@@ -249,10 +249,7 @@ def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
     def reference(given: str) -> str:
         """How the cell file names a file: as a package's, relative to itself, or absolute."""
         file = (folder / given).resolve()
-        if is_uri(given):
-            return given
-        near = beside is not None and file.is_relative_to(beside)
-        return file.relative_to(beside).as_posix() if near and beside is not None else file.as_posix()
+        return given if is_uri(given) else file.as_posix() if beside is None else named_in(beside, file)
 
     keys = cell_keys(cell)
     shapes = [keys["object"]["shape"] or {}, *(keys["surroundings"] or ())]
@@ -280,10 +277,8 @@ def _known(value: Any) -> Any:
 
     A list of nulls says something of velocities: that there are no limits, whatever the URDF has.
     """
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        return [_known(each) for each in value]
     if isinstance(value, list):
-        return None if all(each is None for each in value) else value
+        return None if all(each is None for each in value) else [_known(each) for each in value]
     if not isinstance(value, Mapping):
         return value
     said = {key: each if key == "velocity" and isinstance(each, list) else _known(each) for key, each in value.items()}
@@ -346,8 +341,7 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
     Raises:
         InputError: If it leads to no number.
     """
-    first = re.match(r"[^.\[]*", path)
-    top = first.group() if first else ""
+    top = re.split(r"[.\[]", path)[0]
     if top == "motion":
         keys: Keys = ("motion",)
         rest = path[len(top) :]
@@ -360,10 +354,9 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         raise InputError("", "the motion is a table, of which no number varies. Give it by poses to vary it.")
     here = value_at(files, keys)
     while rest:
-        if rest.startswith("[") and is_number(here) and keys[-1] in ONE_FOR_ALL:
-            robot = keys[2]
-            here = [here] * joints[robot if isinstance(robot, int) else 0]
-            value_at(files, keys[:-1])[keys[-1]] = here
+        if rest.startswith("[") and is_number(here) and "motors" in keys and keys[-1] in ONE_FOR_ALL:
+            here = [here] * joints[int(keys[2])]
+            set_value(files, keys, here)
         key, rest = _step(here, keys, rest, files)
         keys, here = (*keys, key), here[key]
     if here is None and not isinstance(keys[-1], int) and keys[-1] not in NEED_NOT_BE_GIVEN:
@@ -447,7 +440,7 @@ def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> N
         here = here[key]
 
 
-def set_value(file: dict[str, Any], keys: Keys, value: Any) -> None:
+def set_value(file: Mapping[str, Any], keys: Keys, value: Any) -> None:
     """Write a value at a place, from the file's own keys inward."""
     value_at(file, keys[:-1])[keys[-1]] = value
 

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError, InputError
-from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, check_source
+from mrts.base.manifest import GEOMETRY, MANIFEST_NAME
 from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.c_text import (
@@ -104,27 +104,23 @@ def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
 
 
 def _bound(manifest: CellManifest, origin: str | dict[str, Any] | Path) -> CellLibrary:
-    if isinstance(origin, str):
-        return _compiled(manifest, origin)
     if isinstance(origin, dict):  # a library of following alone is compiled in a tenth of the time
         text = motion_source(manifest, emitted(origin))
         return CellLibrary(manifest, compiled_library("motion", text, TRACKING_FILES))
-    raise InputError(
-        origin,
-        f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: read "
-        "it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
-        key="functions",
-    )
+    if isinstance(origin, Path):
+        raise InputError(
+            origin,
+            f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: "
+            "read it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
+            key="functions",
+        )
 
-
-def _compiled(manifest: CellManifest, generated: str) -> CellLibrary:
     @cache
     def seldom(name: str) -> CDLL:
         symbol = manifest.functions[name].symbol
-        return _checked(manifest, compiled_library(symbol, function_source(generated, symbol)), [name])
+        return _checked(manifest, compiled_library(symbol, function_source(origin, symbol)), [name])
 
-    text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
-    library = compiled_library(name, text, CELL_FILES)
+    library = compiled_library(manifest.source.removesuffix(".c"), cell_source(manifest, origin), CELL_FILES)
     offer_programs(library)
     return CellLibrary(manifest, _checked(manifest, library, manifest.functions.keys() - {*SELDOM}), seldom)
 
@@ -143,12 +139,5 @@ def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) ->
 
 
 def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> CellFunctions:
-    """The functions of a pickle: what it holds is checked as `read_generated` does, and compiled when it is used.
-
-    What raises while a worker unpickles its task would end it.
-    """
-    where = "pickled cell"
-    manifest = verified_manifest(where, manifest_text)
-    if isinstance(origin, str):
-        check_source(where, manifest, origin)
-    return CellFunctions(manifest, origin)
+    """The functions of a pickle, compiled when they are used: what raises while a worker unpickles its task ends it."""
+    return CellFunctions(verified_manifest("pickled cell", manifest_text), origin)
