@@ -3,7 +3,7 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,10 +13,8 @@ from mrts_codegen.model_c import model_c
 from numpy.typing import NDArray
 
 from mrts.base.atomic_file import check_own, is_marked, text_writer, write_together
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedPlan, EmbeddedVector
 from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
-from mrts.base.torque_weights import weights_by_limits
 from mrts.cell.record import CellRecord
 
 Precision = Literal["double", "float"]
@@ -31,6 +29,9 @@ MODEL_FUNCTIONS = ("terms", "wrench_form", "fixed_distribution")
 """Generated functions that a library holds; one of a plan has `PLAYED` besides."""
 
 PLAYED = "played_torques"
+
+OF_PLAN = ("backwards", "varies", "keeps_rates", "load", "armature", "coulomb", "viscous")
+"""Fields of `cell_plan` of the exported header that are numbers."""
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -64,14 +65,20 @@ def export_library(
     cell: CellRecord,
     functions: dict[str, ca.Function],
     *,
-    limits: EmbeddedLimits,
-    vectors: Sequence[EmbeddedVector],
-    path_samples: int,
+    tables: Mapping[str, NDArray[Any]],
     kernel: Callable[[str], str],
     precision: Precision = "double",
-    plan: EmbeddedPlan | None = None,
+    plan: Any | None = None,
 ) -> dict[str, str]:
     """Texts of all files of the library, by path inside its folder.
+
+    Args:
+        cell: The cell.
+        functions: Its functions by short name.
+        tables: Of `mrts.output.embedded_tables`.
+        kernel: Gives the text of a file of the kernel's C.
+        precision: Of its numbers.
+        plan: A plan to be played at any speed (`mrts.override.tables.PlayedTables`).
 
     Raises:
         InputError: If the precision does not exist, the name cannot be taken, or a function holds an
@@ -82,13 +89,13 @@ def export_library(
     _check_name(cell.name)
     name, short_names = cell.name, MODEL_FUNCTIONS if plan is None else (*MODEL_FUNCTIONS, PLAYED)
     model = {f"{name}_model_{short}": functions[short] for short in short_names}
-    words = cell_words(cell, limits, precision)
-    words |= vector_words(vectors, path_samples, precision, limits, name.upper())
-    words |= {"NOTICE": NOTICE, "MODEL": model_c(model)}
+    words = cell_words(cell, tables, plan, precision) | {"MODEL": model_c(model)}
 
     def of_cell(text: str) -> str:
         text = re.sub(r"\bcell(?=_|\.[ch]\b)", name, text)
         return re.sub(r"\b(?:MRTS_)?CELL(?=_)", name.upper(), text)
+
+    words["VECTOR_ROWS"] = of_cell(words["VECTOR_ROWS"])  # which name places of samples
 
     def template(file: str) -> str:
         return filled(of_cell((TEMPLATES / file).read_text(encoding="utf-8")), words)
@@ -111,7 +118,6 @@ def export_library(
     }
     texts |= {f"src/kernel/{file}": kernel(file) for file in KERNEL}
     if plan is not None:
-        words |= plan_words(plan, precision)
         texts[f"include/{name}_override.h"] = implementation("cell_override.h")
         texts[f"src/{name}_override.c"] = implementation("cell_override.c")
         texts[f"src/{name}_plan.c"] = template("cell_plan.c")
@@ -172,11 +178,24 @@ def c_number(value: float, precision: Precision) -> str:
     return text + ("f" if precision == "float" else "")
 
 
-def c_numbers(values: NDArray[Any], precision: Precision) -> str:
-    """Literals of all entries with commas between."""
-    if values.dtype.kind != "f":
-        return ", ".join(str(int(value)) for value in values.flat)
-    return ", ".join(c_number(float(value), precision) for value in values.flat)
+def c_value(value: Any, precision: Precision) -> str:
+    """A C initialiser: a text, a name in C (bytes), a number, or in braces an array or a structure."""
+    if isinstance(value, str | bytes):
+        return c_string(value) if isinstance(value, str) else value.decode()
+    if isinstance(value, np.void):
+        parts = [value[name] for name in value.dtype.names or ()]
+    elif np.ndim(value):
+        parts = value
+    else:
+        return c_number(float(value), precision) if value.dtype.kind == "f" else str(int(value))
+    return f"{{{', '.join(c_value(part, precision) for part in parts)}}}"
+
+
+def c_table(values: NDArray[Any], precision: Precision) -> str:
+    """The same, texts, rows and structures of an array each in a line."""
+    if values.ndim < 2 and values.dtype.kind not in "UV":  # noqa: PLR2004 (rows)
+        return c_value(values, precision)
+    return "{\n" + "".join(f"    {c_value(row, precision)},\n" for row in values) + "}"
 
 
 def c_string(text: str) -> str:
@@ -184,25 +203,22 @@ def c_string(text: str) -> str:
     return '"' + "".join(chr(byte) if chr(byte) in PLAIN else f"\\{byte:03o}" for byte in text.encode()) + '"'
 
 
-def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
-    """What stands for each @WORD@ that is about the cell."""
+def cell_words(
+    cell: CellRecord, tables: Mapping[str, NDArray[Any]], plan: Any | None, precision: Precision
+) -> dict[str, str]:
+    """What stands for each @WORD@."""
     size, robots = len(cell.wrench_components), len(cell.robots)
     joints = sum(len(robot.joints) for robot in cell.robots)
-    corners = [cell.load] if cell.load_box is None else [corner.load for corner in cell.load_box.corners()]
-    torque_limits = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
-    row, column = np.nonzero(limits.matrix)
-    tables = {
-        "LOAD": cell.load,
-        "WEIGHT": weights_by_limits(*torque_limits),
-        "ROW_START": np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.matrix)))]),
-        "ROW_COLUMN": column,
-        "ROW_VALUE": limits.matrix[row, column],
-        **limits.tables,
-    }
-    counted = {"LINES": "LINE_ROWS", "ENDS": "END_JOINTS", "POINTS": "POINT_SPEED", "THINGS": "FRICTION"}
+    counted = {"ROWS": "LOWER", "ENTRIES": "ROW_VALUE", "CORNERS": "LOAD_CORNERS", "LINES": "LINE_ROWS"}
+    counted |= {"ENDS": "END_JOINTS", "POINTS": "POINT_SPEED", "THINGS": "FRICTION", "VECTORS": "VECTOR_ROWS"}
     counts = {count: len(tables.get(word, ())) for count, word in counted.items()}
     motions = joints + 2 + 2 * counts["POINTS"] + 5 * counts["THINGS"] if "ACCELERATION_LOWER" in tables else 0
+    if plan is not None:
+        counts["NODES"] = len(plan.nodes)
+        tables = {**tables, "NODE_ROWS": plan.nodes, "LIMIT_TEXT": np.array(plan.limits)}
+        tables |= {f"PLAN_{name.upper()}": plan.c[name] for name in OF_PLAN}
     return {
+        "NOTICE": NOTICE,
         "NAME": cell.name,
         "REAL": precision,
         "ROBOTS": str(robots),
@@ -212,72 +228,13 @@ def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -
         "WRENCHES": str(size * robots),
         "UNKNOWNS": str(size * (robots - 1) + 1),
         "UNLIMITED": UNLIMITED[precision],
-        "CORNERS": str(len(corners)),
-        "LOAD_CORNERS": "\n".join(f"    {{{c_numbers(corner, precision)}}}," for corner in corners),
         "CELL": _cell_lines(cell),
-        "ROWS": str(len(limits.matrix)),
-        "ENTRIES": str(len(row)),
-        "ROW_TEXT": "\n".join(f"    {c_string(text)}," for text in limits.texts),
         "SINGLE": str(int(precision == "float")),
         "MOTORS": str(int("ARMATURE" in tables)),
         "TURNED": str(int("BASE" in tables)),
         **{count: str(number) for count, number in (counts | {"MOTIONS": motions}).items()},
-        **{word: c_numbers(table, precision) for word, table in tables.items()},
+        **{word: c_table(table, precision) for word, table in tables.items()},
     }
-
-
-def vector_words(
-    vectors: Sequence[EmbeddedVector], path_samples: int, precision: Precision, limits: EmbeddedLimits, macro: str
-) -> dict[str, str]:
-    """What stands for each @WORD@ of the vectors' header."""
-    fastest, changing = (max((abs(vector.inputs[k]).max() for vector in vectors), default=0.0) for k in (1, 2))
-    rest, place = (float(limits.tables["REST"]), macro) if "REST" in limits.tables else (0.0, None)
-    return {
-        "VECTORS": str(len(vectors)),
-        "PATH_SAMPLES": str(path_samples),
-        "VECTOR_ROWS": "\n".join(_vector_row(vector, precision, place) for vector in vectors),
-        "REST_SPEED": c_number(rest * fastest, precision),
-        "REST_ACCELERATION": c_number(rest * changing, precision),
-    }
-
-
-def plan_words(plan: EmbeddedPlan, precision: Precision) -> dict[str, str]:
-    """What stands for each @WORD@ of a plan's tables."""
-
-    def of(name: str) -> str:
-        return c_numbers(getattr(plan, name), precision)
-
-    return {
-        "NODES": str(len(plan.nodes)),
-        "NODE_ROWS": "\n".join(f"    {_braces(node, precision)}," for node in plan.nodes),
-        "LIMIT_TEXT": "\n".join(f"    {c_string(text)}," for text in plan.limits),
-        "SWITCHES": f"{int(plan.backwards)}, {int(plan.varies)}, {plan.keeps_rates}",
-        **{f"PLAN_{name.upper()}": of(name) for name in ("load", "armature", "coulomb", "viscous")},
-    }
-
-
-def _braces(value: Any, precision: Precision) -> str:
-    """A structure or an array, of which the last axis stands in one line."""
-    if isinstance(value, np.void):
-        parts = [_braces(np.asarray(value[name]), precision) for name in value.dtype.names or ()]
-    elif value.ndim > 1:
-        parts = [_braces(part, precision) for part in value]
-    else:
-        text = c_numbers(value, precision)
-        return f"{{{text}}}" if value.ndim else text
-    return f"{{{', '.join(parts)}}}"
-
-
-def _vector_row(vector: EmbeddedVector, precision: Precision, macro: str | None) -> str:
-    sample = ", ".join(f"{{{c_numbers(part, precision)}}}" for part in vector.inputs)
-    if macro is not None:
-        sample += f", {macro}_{vector.place.upper()}"
-    low, high, share_low, share_high = (c_number(end, "double") for end in (*vector.ends, *vector.share_ends))
-    return (
-        f"    {{{{{sample}}}, {c_number(vector.mass, precision)}, {vector.status}, {low}, {high}, "
-        f"{vector.share_status}, {share_low}, {share_high}, {c_number(vector.c2, 'double')}, "
-        f"{{{c_numbers(vector.torque, 'double')}}}}},"
-    )
 
 
 def _cell_lines(cell: CellRecord) -> str:

@@ -53,7 +53,7 @@ def run(
     from mrts.control.speed_override import SpeedOverride
     from mrts.following.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
-    from mrts.output.embedded_tables import embedded_limits, make_vectors, own_motion
+    from mrts.output.embedded_tables import embedded_tables, own_motion
 
     if is_folder(cell):
         raise InputError(cell, "an export starts from the cell file, not from a generated folder.")
@@ -66,15 +66,11 @@ def run(
     elif backwards or fastest_override != 1 or rates is not None:
         rule = "there is none that could be played faster, backwards or within rates. Give a saved result."
         raise InputError("--plan", rule)
-    limits = embedded_limits(compiled)
     along = own_motion(compiled) if motion is None else coordinate(compiled, load_motion(motion), closure)
-    vectors = make_vectors(compiled, along)
-    tables = None if played is None else played.tables.embedded
+    tables = embedded_tables(compiled, along)
     with working(f"writing {output}"):
-        written = export_to(
-            cell, output, limits=limits, vectors=vectors, path_samples=along.samples, plan=tables, **given
-        )
-    say(f"{compiled.name}: {given['precision']} precision, {len(vectors)} test vectors, in {output}:")
+        written = export_to(cell, output, tables=tables, plan=None if played is None else played.tables, **given)
+    say(f"{compiled.name}: {given['precision']} precision, {len(tables['VECTOR_ROWS'])} test vectors, in {output}:")
     say("\n".join(f"  {name}" for name in written))
     if played is not None:
         say(played.stops().sentence())

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError
 from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
+from mrts.cell.motors import EFFECTS
 from mrts.control.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.kernel.binding import INFINITY, structure
@@ -91,8 +91,8 @@ class PlayedTables:
     Attributes:
         plan: The plan.
         corners: What limits leave at its nodes.
-        embedded: The same as an exported library has it.
-        nodes: Its nodes, Shape (n,).
+        nodes: `cell_plan_node` of the exported header, Shape (n,).
+        limits: Names of what may be active, "" first.
         library: The C, called with `c`.
         c: `cell_plan` of the exported header.
         state: `cell_override` of the exported header.
@@ -100,30 +100,20 @@ class PlayedTables:
 
     def __init__(self, corners: Corners, library: ctypes.CDLL, *, backwards: bool, keeps_rates: bool = False) -> None:
         self.plan, self.corners, self.library = corners.plan, corners, library
-        plan, cell = corners.plan, corners.plan.cell
-        motors = [robot.motors for robot in plan.cell.robots]
-        self.embedded = EmbeddedPlan(
-            nodes=_plan_nodes(corners),
-            limits=(*corners.names, RATES),
-            backwards=backwards,
-            varies=bool(np.any(plan.most != 1)),
-            keeps_rates=len(corners.names) if keeps_rates else 0,
-            load=cell.load,
-            armature=np.concatenate([motor.armature for motor in motors]),
-            coulomb=np.concatenate([motor.coulomb for motor in motors]),
-            viscous=np.concatenate([motor.viscous for motor in motors]),
-        )
-        self.nodes, self._geometry = self.embedded.nodes, np.ascontiguousarray(cell.geometry)
-        addresses = {"nodes": self.nodes.ctypes.data, "geometry": self._geometry.ctypes.data, "count": len(self.nodes)}
+        cell = self.plan.cell
+        self.nodes, self._geometry = _plan_nodes(corners), np.ascontiguousarray(cell.geometry)
+        self.limits = (*corners.names, RATES)  # whose names are looked up here, not in the C
         self.c, self.state = np.zeros((), _structure("cell_plan", cell)), _structure("cell_override", cell)
-        for name in self.c.dtype.names or ():
-            if name != "limits":  # names are looked up here
-                self.c[name] = addresses[name] if name in addresses else getattr(self.embedded, name)
+        self.c["nodes"], self.c["count"] = self.nodes.ctypes.data, len(self.nodes)
+        self.c["geometry"], self.c["load"] = self._geometry.ctypes.data, cell.load
+        self.c["backwards"], self.c["varies"] = backwards, np.any(self.plan.most != 1)
+        self.c["keeps_rates"] = len(corners.names) if keeps_rates else 0
+        for name in EFFECTS:
+            self.c[name] = cell.stacked(f"motors.{name}")
 
     def of(self, corners: Corners, *, keeps_rates: bool = False) -> "PlayedTables":
         """Other tables of the same plan."""
-        backwards = self.embedded.backwards
-        return PlayedTables(corners, self.library, backwards=backwards, keeps_rates=keeps_rates)
+        return PlayedTables(corners, self.library, backwards=bool(self.c["backwards"]), keeps_rates=keeps_rates)
 
     def states(self, node: NDArray[Any], inside: Array, speed: Array, acceleration: Array) -> NDArray[Any]:
         """States at places after nodes [s], with speeds and accelerations, Shape (k,)."""
@@ -259,7 +249,7 @@ def rate_tables(whole: PlayedTables, limits: RateLimits) -> PlayedTables:
     Raises:
         InputError: If the plan's accelerations jump, it may be played faster, or it leaves too little of its rates.
     """
-    plan, backwards = whole.plan, whole.embedded.backwards
+    plan, backwards = whole.plan, bool(whole.c["backwards"])
     if plan.wrench is None or np.ptp(plan.most):
         jumps = "whose accelerations do not jump: take one by a constant factor, or a smooth one."
         rule = f"go with a plan {jumps}" if plan.wrench is None else "do not go with a speed above the plan's."

@@ -173,7 +173,7 @@ class SpeedOverride:
             if status != NOT_ADMITTED:
                 raise InputError("time", f"must be a place of the plan (0 to {self.duration:g} s).", value=time)
             most = float(np.sqrt(np.interp(time, self.tables.nodes["time"], self.tables.nodes["most"])))
-            known = f"{-most if self.tables.embedded.backwards else 0:.4g} to {most:.4g}"
+            known = f"{-most if self.tables.c['backwards'] else 0:.4g} to {most:.4g}"
             raise InputError("speed", f"limits do not admit that speed there ({known}).", value=speed)
         return self._state(numbers)
 
@@ -249,7 +249,7 @@ class SpeedOverride:
             distance=np.max(np.max(ended - begun, axis=0).reshape(each), axis=1),
             loads=len(self.tables.plan.loads),
             excess=float(np.max(self.tables.passed)),
-            rates=bool(self.tables.embedded.keeps_rates),
+            rates=bool(self.tables.c["keeps_rates"]),
         )
 
     def resume(self, q: Array, within: float) -> OverrideState:
@@ -273,13 +273,13 @@ class SpeedOverride:
 
     def _numbers(self, state: OverrideState) -> NDArray[Any]:
         check_type("state", state, OverrideState)
-        if state.limits is not self.tables.embedded.limits:  # its node may be none of these
+        if state.limits is not self.tables.limits:  # its node may be none of these
             raise InputError("state", "must come from this override: those of another plan stand elsewhere.")
         return state.numbers
 
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
         *commanded, active, finished = numbers.item()[:AT_A_TICK]  # as `cell_override` orders them
-        limits = self.tables.embedded.limits
+        limits = self.tables.limits
         values: tuple[Any, ...] = (*commanded, bool(finished), limits[active], numbers, limits)
         return OverrideState(*values)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What an exported library has of a cell: its limits as tables of rows, and test vectors that this runtime finds."""
+"""What an exported library has of a cell: its load and limits as tables, and test vectors that this runtime finds."""
 
 from collections.abc import Sequence
 from itertools import compress
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.cell.cell import Cell
@@ -46,11 +45,16 @@ SHARE_OF_END = 0.5
 """Torques are compared at this share of c²⁺: at the end itself the feasible set is a point, and rounding decides."""
 
 STATUS = {RangeStatus.FEASIBLE: 0, RangeStatus.UNBOUNDED: 1, RangeStatus.INFEASIBLE: 2}
-"""Of the exported header."""
+PLACES = b"CELL_START", b"CELL_INSIDE", b"CELL_END"
+"""Of the exported header: how a range ends, and where in its motion a sample lies."""
 
 
-def embedded_limits(cell: Cell) -> EmbeddedLimits:
-    """All limits of the cell, those without a limit too: it may get one at run time; and what motors add.
+def embedded_tables(cell: Cell, motion: CoordinatedMotion) -> dict[str, NDArray[Any]]:
+    """Numbers and texts of a cell by their words in codegen/embedded/templates, test vectors of a motion among them.
+
+    They have all limits, infinity where there is none: it may get one at run time. BASE and AXES are missing where no
+    row is in object axes, ARMATURE and those after it where all motors are ideal, ACCELERATION_LOWER and those after it
+    where only velocities limit the motion.
 
     Raises:
         InputError: If a limit of one's own depends on the motion: the library has tables for those that do not; or if
@@ -79,7 +83,14 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     groups = list(dict.fromkeys(name.group for name in rows.names))
     velocity = velocity_rows(cell, probes[0])
     most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
+    row, column = np.nonzero(rows.matrix)
     tables = {
+        "LOAD": cell.load,
+        "LOAD_CORNERS": np.array([point.load for point in cell.load_box.corners()] if cell.load_box else [cell.load]),
+        "WEIGHT": np.diag(torque_weights(None, cell)),
+        "ROW_START": np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(rows.matrix)))]),
+        "ROW_COLUMN": column,
+        "ROW_VALUE": rows.matrix[row, column],
         "LOWER": rows.lower,
         "UPPER": rows.upper,
         "ROW_GROUP": np.array([groups.index(name.group) for name in rows.names], dtype=np.intp),
@@ -88,12 +99,17 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     }
     if rows.object_axes is not None:
         base, axes = base_axes(cell)
-        tables |= {"BASE": base, "AXES": np.array(axes)}
+        tables |= {"BASE": base.ravel(), "AXES": np.array(axes)}
     names = [*rows.names, *velocity.names, *compress(of_curves, ~is_line)]
     if cell.limits_motion:
         of_motion, more = _motions(cell)
         names, tables = names + of_motion, tables | more
-    return EmbeddedLimits(texts=tuple(map(_text, names)), matrix=rows.matrix, tables=tables)
+    vectors = _vectors(cell, motion, with_motors="REST" in tables)
+    if "REST" in tables:
+        for word, name in (("REST_SPEED", "dq"), ("REST_ACCELERATION", "ddq")):
+            tables[word] = tables["REST"] * np.max(np.abs(vectors["sample"][name]))
+    texts = np.array(["c^2 >= 0", *map(_text, names)])
+    return tables | {"ROW_TEXT": texts, "PATH_SAMPLES": np.array(motion.samples), "VECTOR_ROWS": vectors}
 
 
 def _motions(cell: Cell) -> tuple[list[RowName], dict[str, NDArray[Any]]]:
@@ -112,7 +128,7 @@ def _motions(cell: Cell) -> tuple[list[RowName], dict[str, NDArray[Any]]]:
     places = [point.at_zero for _, point in of_arms] + [point.point for point in cell.object_points]
     unlimited = [np.inf, np.inf]
     tilt = [np.divide(thing.half_width or unlimited, thing.height or 1.0) for thing in things]
-    return names, {
+    tables = {
         "ACCELERATION_LOWER": cell.stacked("acceleration_lower"),
         "ACCELERATION_UPPER": cell.stacked("acceleration_upper"),
         "OBJECT_ACCELERATION": cell.object_acceleration_limit,
@@ -130,6 +146,7 @@ def _motions(cell: Cell) -> tuple[list[RowName], dict[str, NDArray[Any]]]:
         "TILT": np.array(tilt),
         "GRAVITY": cell.gravity,
     }
+    return names, {word: np.ravel(table) for word, table in tables.items()}
 
 
 def _motors(cell: Cell, joint: NDArray[np.intp], slope: Array, line_rows: Sequence[int]) -> dict[str, NDArray[Any]]:
@@ -177,12 +194,22 @@ def _text(name: RowName) -> str:
     return f"{name.robot}/{name.element} {name.kind}" if name.robot and name.kind != "contact" else str(name)
 
 
-def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
-    """All samples of a motion with the nominal load first, then with other masses."""
-    vectors: list[EmbeddedVector] = []
-    given = motion.object
-    fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
-    for factor in MASS_FACTORS:
+def _vectors(cell: Cell, motion: CoordinatedMotion, *, with_motors: bool) -> NDArray[Any]:
+    """`cell_vector` of all samples of a motion with the nominal load first, then with other masses."""
+    count, m = motion.q.shape
+    rotation = motion.object.rotation.reshape(-1, 9)
+    moving = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq, "rotation": rotation}
+    moving |= {"twist": motion.object.twist, "acceleration": motion.object.acceleration}
+    sample = [(name, float, values.shape[1:]) for name, values in moving.items()]
+    answers = [("mass", float), ("status", int), ("lower", float), ("upper", float)]
+    answers += [("share_status", int), ("share_lower", float), ("share_upper", float), ("c2", float)]
+    kind = [("sample", sample + [("place", "S11", ())] * with_motors), *answers, ("torque", float, (m,))]
+    vectors = np.zeros((len(MASS_FACTORS), count), kind)
+    for name, values in moving.items():
+        vectors["sample"][name] = values
+    if with_motors:
+        vectors["sample"]["place"] = [PLACES[0], *PLACES[1:2] * (count - 2), PLACES[2]]
+    for found, factor in zip(vectors, MASS_FACTORS, strict=True):
         heavy = cell.with_mass(cell.mass * factor)
         rows = motion_rows(heavy, motion)
         free = motion_ranges(rows)
@@ -190,26 +217,15 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
         speeds = np.where([status is RangeStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
         speeds = np.where(speeds >= free.lower, speeds, 0.0)
         compared = np.flatnonzero(speeds > 0)
-        torque = np.zeros((motion.samples, motion.q.shape[1]))
         if compared.size:
             problem = build_sample_problem(rows, samples=compared)
             x = distribute_torques(problem, speeds[compared], torque_weights(None, cell))
-            torque[compared] = problem.torque(x)
-        vectors += [
-            EmbeddedVector(
-                inputs=tuple(field[sample] for field in fields),
-                place="start" if sample == 0 else "end" if sample == motion.samples - 1 else "inside",
-                mass=heavy.mass,
-                status=STATUS[free.status[sample]],
-                ends=(float(free.lower[sample]), float(free.upper[sample])),
-                share_status=STATUS[even.status[sample]],
-                share_ends=(float(even.lower[sample]), float(even.upper[sample])),
-                c2=float(speeds[sample]),
-                torque=torque[sample],
-            )
-            for sample in range(motion.samples)
-        ]
-    return vectors
+            found["torque"][compared] = problem.torque(x)
+        found["mass"], found["c2"] = heavy.mass, speeds
+        for share, ranges in (("", free), ("share_", even)):
+            found[f"{share}status"] = [STATUS[status] for status in ranges.status]
+            found[f"{share}lower"], found[f"{share}upper"] = ranges.lower, ranges.upper
+    return vectors.ravel()
 
 
 def own_motion(cell: Cell) -> CoordinatedMotion:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.torque_weights import WEIGHT_SPREAD, weights_by_limits
 from mrts.cell.cell import Cell
 from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.program.formulation import DistributionName
@@ -20,16 +19,25 @@ from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, require_verifie
 TORQUE_WIDENING = 1e-9
 """Share of itself by which each limit is widened: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
 
+WEIGHT_SPREAD = 1e6
+"""Largest ratio of weights: the programs are solved to 1e-9, and the lightest torque must still be felt."""
+
 
 def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
     """W as a matrix, Shape (m, m): None weighs each torque by its limit, a number all alike, else diagonal or matrix.
+
+    By limits it is diag(1 / τ̂²), τ̂ the larger side of each limit, within `WEIGHT_SPREAD` about the middle limit:
+    neither a placeholder nor a joint that may do nothing makes all others weigh alike.
 
     Raises:
         InputError: Unless W is symmetric and positive definite.
     """
     joints = len(cell.joint_names)
     if weights is None:
-        return np.diag(weights_by_limits(cell.stacked("torque_lower"), cell.stacked("torque_upper")))
+        limit = np.maximum(np.abs(cell.stacked("torque_lower")), np.abs(cell.stacked("torque_upper")))
+        known = np.sort(limit[np.isfinite(limit) & (limit > 0)])
+        middle, most = (known[len(known) // 2] if len(known) else 1.0), WEIGHT_SPREAD**0.25
+        return np.diag(1 / np.clip(limit, middle / most, middle * most) ** 2)
     given = as_array("weights", weights)
     if given.shape not in {(), (joints,), (joints, joints)} or not np.all(np.isfinite(given)):
         rule = f"must be finite: one number, {joints} of them, or a matrix of Shape ({joints}, {joints})."

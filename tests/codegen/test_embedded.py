@@ -18,7 +18,6 @@ from shipped_cells import changed_cell
 import mrts
 from mrts.cell.generation import export_to
 from mrts.cli import main
-from mrts.output.embedded_tables import embedded_limits
 
 CELLS = ("dual_ur5", "with_motors")
 DOUBLE_HELPER = re.compile(r"__aeabi_d|__\w+df\d|\b(sin|cos|sqrt|sincos)\b")
@@ -88,8 +87,8 @@ def test_a_wrong_expectation_is_noticed(library, tmp_path):
     shutil.copytree(folder / "tests", spoiled)
     vectors = spoiled / f"{cell}_vectors.h"
     lines = vectors.read_text().splitlines()
-    row = next(index for index, line in enumerate(lines) if line.startswith("    {{{") and ", 0, 0.0, " in line)
-    lines[row] = lines[row].replace(", 0, 0.0, ", ", 0, 0.0, 1", 1)
+    row = next(index for index, line in enumerate(lines) if line.startswith("    {{{") and ", 0, 0.0" in line)
+    lines[row] = lines[row].replace(", 0, 0.0", ", 0, 10.0", 1)
     vectors.write_text("\n".join(lines))
     link(folder, spoiled / "test_main.c", tmp_path / "test")
     assert subprocess.run([tmp_path / "test"], capture_output=True, check=False).returncode != 0
@@ -227,7 +226,7 @@ def test_text_from_a_urdf_cannot_leave_its_string(tmp_path):
     assert "el\\042bow\\134 \\052/" in (folder / "src/planar_dual_arm_tables.h").read_text()
 
 
-def test_bad_exports_are_refused(tmp_path, capsys, planar_cell):
+def test_bad_exports_are_refused(tmp_path, capsys):
     cell, target = str(DATA / "cell.yaml"), ["-o", str(tmp_path / "x")]
     names = [("test", "is taken"), ("stdio", "is taken"), ("1x", "must be letters"), ("../x", "must be letters")]
     for arguments, words in (
@@ -239,5 +238,4 @@ def test_bad_exports_are_refused(tmp_path, capsys, planar_cell):
         assert words in capsys.readouterr().err
     assert not (tmp_path / "x").exists()
     with pytest.raises(mrts.InputError, match="double or float"):
-        export_to(DATA / "cell.yaml", tmp_path / "x", limits=embedded_limits(planar_cell), vectors=[], path_samples=0,
-                  precision="half")  # fmt: skip
+        export_to(DATA / "cell.yaml", tmp_path / "x", tables={}, precision="half")

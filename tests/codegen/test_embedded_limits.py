@@ -15,7 +15,7 @@ from mrts.cell.generation import export_to
 from mrts.cli import main
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName
-from mrts.output.embedded_tables import embedded_limits, make_vectors
+from mrts.output.embedded_tables import embedded_tables
 
 LIFT = DATA / "lift.yaml"
 
@@ -33,8 +33,7 @@ def exported_folder(path, place):
 
 def exported_with(path, cell, motion, place, precision="double"):
     """The library of a cell and a motion that no file gives, whose own tests pass."""
-    given = {"limits": embedded_limits(cell), "vectors": make_vectors(cell, motion), "path_samples": motion.samples}
-    export_to(path, place / "library", **given, precision=precision)
+    export_to(path, place / "library", tables=embedded_tables(cell, motion), precision=precision)
     assert "0 mismatches" in run("make", "test", cwd=place / "library")
     return place / "library"
 
@@ -108,9 +107,9 @@ def soft_start(cell, motion):
 
 
 @pytest.mark.parametrize(("limit", "what"), [(friction, "speed"), (soft_start, "motion")])
-def test_a_limit_that_a_library_cannot_compute_is_refused(limit, what, planar_cell):
+def test_a_limit_that_a_library_cannot_compute_is_refused(limit, what, planar_cell, lift):
     with pytest.raises(mrts.InputError, match=f"limit '{limit.__name__}': depends on the {what}"):
-        embedded_limits(planar_cell.with_limits(limit))
+        embedded_tables(planar_cell.with_limits(limit), lift)
 
 
 def hands(cell):
@@ -255,8 +254,7 @@ def test_a_cup_stays_in_a_loop_from_a_least_speed_on(precision, tmp_path):
     path = changed_cell(tmp_path, strong)
     cell = mrts.load_cell(path)
     angle, motion = once_around(cell)
-    vectors = make_vectors(cell, motion)
-    assert sum(vector.ends[0] > 0 for vector in vectors) > len(vectors) / 2
+    assert np.mean(embedded_tables(cell, motion)["VECTOR_ROWS"]["lower"] > 0) > 0.5
     folder = exported_with(path, cell, motion, tmp_path, precision)
     if precision == "float":
         return

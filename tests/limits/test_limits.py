@@ -12,7 +12,7 @@ import mrts
 from mrts.cell.motors import JointMotors
 from mrts.limits.cell_limits import motor_limits
 from mrts.limits.rows import LimitRows
-from mrts.output.embedded_tables import embedded_limits
+from mrts.output.embedded_tables import embedded_tables
 from mrts.program.motion_rows import binds, motion_rows
 
 CURVE = np.array([[0.0, 90.0], [2.0, 90.0], [4.0, 60.0], [5.0, 10.0]])
@@ -219,7 +219,7 @@ def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, 
         sides = {"lower": np.full(2, -2.0), "upper": np.full(2, 2.0)}
         return change(LimitRows.of(cell, names=names, **sides, square=motion.object.acceleration[:, :2]))
 
-    solvers = [mrts.scale, mrts.retime] + [lambda cell, _motion: embedded_limits(cell)] * (wrong in {"nothing", "text"})
+    solvers = [mrts.scale, mrts.retime] + [embedded_tables] * (wrong in {"nothing", "text"})
     for solve in solvers:
         with pytest.raises(mrts.InputError, match=re.escape(f"limit 'splash': {message}")):
             solve(planar_cell.with_limits(splash), lift)

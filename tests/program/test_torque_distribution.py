@@ -7,8 +7,7 @@ from conftest import DATA, UR5
 from reference import ReferenceCell, highs_cost
 
 import mrts
-from mrts.base.torque_weights import WEIGHT_SPREAD
-from mrts.program.torque_distribution import torque_weights
+from mrts.program.torque_distribution import WEIGHT_SPREAD, torque_weights
 
 pytestmark = pytest.mark.quick
 

@@ -17,15 +17,13 @@ typedef struct {
     cell_sample sample;
     cell_real mass;
     int status;
-    double lower, upper;
+    cell_real lower, upper;
     int share_status;
-    double share_lower, share_upper;
-    double c2;
-    double torque[CELL_JOINTS];
+    cell_real share_lower, share_upper;
+    cell_real c2;
+    cell_real torque[CELL_JOINTS];
 } cell_vector;
 
-static const cell_vector cell_vectors[CELL_VECTORS] = {
-@VECTOR_ROWS@
-};
+static const cell_vector cell_vectors[CELL_VECTORS] = @VECTOR_ROWS@;
 
 #endif
