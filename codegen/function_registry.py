@@ -5,8 +5,6 @@ A new function is one builder and one line in `BUILDERS`.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -16,150 +14,93 @@ from mrts_codegen.equations.arm_dynamics import (
     block_diagonal,
     coriolis_torque,
     forward_kinematics,
-    frame_jacobian,
     mass_matrix,
 )
-from mrts_codegen.equations.cooperative_terms import CooperativeTerms, cooperative_terms, sample_symbols, split_joints
-from mrts_codegen.equations.formulations import fixed_distribution, torque_form, wrench_form
-from mrts_codegen.equations.geometry import Geometry, geometry_numbers, geometry_symbols
-from mrts_codegen.equations.played_torques import played_torques
+from mrts_codegen.equations.formulations import (
+    fixed_distribution,
+    grasp_maps,
+    played_torques,
+    torque_form,
+    wrench_form,
+)
+from mrts_codegen.equations.sample import MOVING, Sample, sample_of
+
+from mrts.base.manifest import FOR_REDUNDANT_ARMS, GEOMETRY
 
 Named = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Sample:
-    """What builders share: symbols of one sample and its terms."""
-
-    cell: CellModel
-    geometry: Geometry
-    symbols: Named
-
-    @cached_property
-    def terms(self) -> CooperativeTerms:
-        """Made for who asks for them first: kinematics do without."""
-        return cooperative_terms(self.cell, self.symbols, self.geometry)
-
-    def arms(self, name: str) -> list[Any]:
-        """An input over all joints, one piece an arm."""
-        return split_joints(self.cell, self.symbols[name])
+def _kinematics(sample: Sample) -> Named:
+    rotations, positions = [], []
+    for model, base, q in zip(sample.models, sample.bases, sample.arms("q"), strict=True):
+        R_base_tip, p_base_tip = forward_kinematics(model, q)[-1]
+        positions.append(base.p + base.R @ p_base_tip)
+        rotations.append(base.R @ R_base_tip)
+    outputs = {"position": positions, "rotation": rotations, "jacobian": sample.J}
+    return {name: ca.horzcat(*parts) for name, parts in outputs.items()}
 
 
-def _kinematics(sample: Sample) -> tuple[Named, Named]:
-    q = sample.symbols["q"]
-    rotations, positions, jacobians = [], [], []
-    geometry = sample.geometry
-    for model, base, q_robot in zip(geometry.models, geometry.bases, sample.arms("q"), strict=True):
-        R_base_tip, p_base_tip = forward_kinematics(model, q_robot)[-1]
-        R_world_base = ca.SX(base.R)
-        positions.append(ca.SX(base.p) + R_world_base @ p_base_tip)
-        rotations.append(R_world_base @ R_base_tip)
-        jacobians.append(frame_jacobian(model, q_robot)[list(sample.cell.components), :])
-    return {"q": q}, {
-        "position": ca.horzcat(*positions),
-        "rotation": ca.horzcat(*rotations),
-        "jacobian": ca.horzcat(*jacobians),
-    }
+def _bias_acceleration(sample: Sample) -> Named:
+    rows, arms = list(sample.cell.components), zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True)
+    return {"bias_acceleration": ca.horzcat(*(bias_acceleration(*arm)[rows] for arm in arms))}
 
 
-def _bias_acceleration(sample: Sample) -> tuple[Named, Named]:
-    s = sample.symbols
-    columns = [
-        bias_acceleration(model, q, dq)[list(sample.cell.components)]
-        for model, q, dq in zip(sample.geometry.models, sample.arms("q"), sample.arms("dq"), strict=True)
-    ]
-    return {"q": s["q"], "dq": s["dq"]}, {"bias_acceleration": ca.horzcat(*columns)}
+def _torques_of_wrenches(sample: Sample) -> list[Any]:
+    """JᵀF of every arm."""
+    parts = ca.vertsplit(sample.inputs["wrench"], len(sample.cell.components))
+    return [J.T @ part for J, part in zip(sample.J, parts, strict=True)]
 
 
-def _geometric_stiffness(sample: Sample) -> tuple[Named, Named] | None:
-    """∂(JᵀF)/∂q of every arm, needed where an arm has more joints than its wrench has components."""
-    load = _torques_of_wrenches(sample)
-    if load is None:
-        return None
-    wrench, torques = load
-    joints = sample.arms("q")
-    blocks = [ca.jacobian(torque, q) for torque, q in zip(torques, joints, strict=True)]
-    return {"q": sample.symbols["q"], "wrench": wrench}, {"geometric_stiffness": block_diagonal(blocks)}
+def _geometric_stiffness(sample: Sample) -> Named:
+    """∂(JᵀF)/∂q of every arm."""
+    arms = zip(_torques_of_wrenches(sample), sample.arms("q"), strict=True)
+    return {"geometric_stiffness": block_diagonal([ca.jacobian(torque, q) for torque, q in arms])}
 
 
-def _geometric_stiffness_rate(sample: Sample) -> tuple[Named, Named] | None:
+def _geometric_stiffness_rate(sample: Sample) -> Named:
     """The second derivative of JᵀF along q' at constant F and q'."""
-    s, load = sample.symbols, _torques_of_wrenches(sample)
-    if load is None:
-        return None
-    wrench, torques = load
-    rate = ca.jtimes(ca.jtimes(ca.vertcat(*torques), s["q"], s["dq"]), s["q"], s["dq"])
-    return {"q": s["q"], "dq": s["dq"], "wrench": wrench}, {"geometric_stiffness_rate": rate}
+    along = sample.inputs["q"], sample.inputs["dq"]
+    rate = ca.jtimes(ca.jtimes(ca.vertcat(*_torques_of_wrenches(sample)), *along), *along)
+    return {"geometric_stiffness_rate": rate}
 
 
-def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
-    """Symbols of the wrenches F, and JᵀF of every arm; None if no arm is redundant."""
-    cell, geometry = sample.cell, sample.geometry
-    size = len(cell.components)
-    if all(len(model.joints) <= size for model in cell.models):
-        return None
-    rows, joints = list(cell.components), sample.arms("q")
-    J = [ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in zip(geometry.models, joints, strict=True)]
-    wrench = ca.SX.sym("wrench", sum(of_arm.size1() for of_arm in J))
-    parts = ca.vertsplit(wrench, J[0].size1())
-    return wrench, [of_arm.T @ part for of_arm, part in zip(J, parts, strict=True)]
-
-
-def _dynamics(sample: Sample) -> tuple[Named, Named]:
-    s = sample.symbols
-    pieces = list(zip(sample.geometry.models, sample.arms("q"), sample.arms("dq"), strict=True))
-    return {"q": s["q"], "dq": s["dq"]}, {
-        "mass_matrix": block_diagonal([mass_matrix(model, q) for model, q, _ in pieces]),
-        "coriolis_torque": ca.vertcat(*(coriolis_torque(model, q, dq) for model, q, dq in pieces)),
-        "gravity_torque": sample.terms.G,
+def _dynamics(sample: Sample) -> Named:
+    arms = list(zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True))
+    return {
+        "mass_matrix": block_diagonal([mass_matrix(model, q) for model, q, _ in arms]),
+        "coriolis_torque": ca.vertcat(*(coriolis_torque(*arm) for arm in arms)),
+        "gravity_torque": sample.arm_terms[2],
     }
 
 
-def _terms(sample: Sample) -> tuple[Named, Named]:
-    t = sample.terms
-    outputs = {"E": t.E, "A": t.A, "G": t.G, "J": ca.horzcat(*t.J), "B": ca.horzcat(*t.B)}
-    return sample.symbols, outputs | {"P": t.P, "S": t.S, "Q": t.Q}
+def _terms(sample: Sample) -> Named:
+    E, A, G = sample.arm_terms
+    P, S, Q = sample.object_terms
+    J, B = ca.horzcat(*sample.J), ca.horzcat(*grasp_maps(sample))
+    return {"E": E, "A": A, "G": G, "J": J, "B": B, "P": P, "S": S, "Q": Q}
 
 
-def _wrench_form(sample: Sample) -> tuple[Named, Named]:
-    return sample.symbols, wrench_form(sample.terms)
-
-
-def _torque_form(sample: Sample) -> tuple[Named, Named] | None:
-    if any(J.size1() != J.size2() for J in sample.terms.J):
-        return None
-    return sample.symbols, torque_form(sample.terms)
-
-
-def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
-    count = len(sample.cell.models)
-    shares = ca.SX.sym("shares", count)
-    internal = ca.SX.sym("internal_wrench", count * len(sample.cell.components))
-    form = fixed_distribution(sample.cell, sample.geometry, sample.terms, shares, internal)
-    return sample.symbols | {"shares": shares, "internal_wrench": internal}, form
-
-
-def _played_torques(sample: Sample) -> tuple[Named, Named]:
-    s, (q, dq, ddq) = sample.symbols, map(sample.arms, ("q", "dq", "ddq"))
-    shares = ca.SX.sym("shares", len(sample.cell.models) * len(sample.cell.components))
-    torque, wrench = played_torques(sample.cell, sample.geometry, q, dq, ddq, s["load"], shares)
-    inputs = {name: s[name] for name in ("q", "dq", "ddq", "load")}
-    return inputs | {"shares": shares}, {"torque": torque, "wrench": wrench}
-
-
-BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
-    "kinematics": _kinematics,
-    "bias_acceleration": _bias_acceleration,
-    "geometric_stiffness": _geometric_stiffness,
-    "geometric_stiffness_rate": _geometric_stiffness_rate,
-    "dynamics": _dynamics,
-    "terms": _terms,
-    "wrench_form": _wrench_form,
-    "torque_form": _torque_form,
-    "fixed_distribution": _fixed_distribution,
-    "played_torques": _played_torques,
+BUILDERS: dict[str, tuple[Callable[[Sample], Named], tuple[str, ...]]] = {
+    "kinematics": (_kinematics, ("q",)),
+    "bias_acceleration": (_bias_acceleration, ("q", "dq")),
+    "geometric_stiffness": (_geometric_stiffness, ("q", "wrench")),
+    "geometric_stiffness_rate": (_geometric_stiffness_rate, ("q", "dq", "wrench")),
+    "dynamics": (_dynamics, ("q", "dq")),
+    "terms": (_terms, MOVING),
+    "wrench_form": (wrench_form, MOVING),
+    "torque_form": (torque_form, MOVING),
+    "fixed_distribution": (fixed_distribution, (*MOVING, "shares", "internal_wrench")),
+    "played_torques": (played_torques, ("q", "dq", "ddq", "load", "object_wrench")),
 }
-"""Short name to builder; a builder returns None where the cell does not allow its function."""
+"""Of each function by its short name what gives its outputs, and its inputs."""
+
+
+def _is_allowed(cell: CellModel, name: str) -> bool:
+    """Whether a cell has a function: some are for arms with more joints than a wrench has components, or as many."""
+    joints, size = [len(model.joints) for model in cell.models], len(cell.components)
+    if name in FOR_REDUNDANT_ARMS:
+        return max(joints) > size
+    return name != "torque_form" or {*joints} == {size}
 
 
 def build_functions(
@@ -173,19 +114,17 @@ def build_functions(
     Returns:
         Short name to Function; the Function itself is called `<stem>_<short name>`.
     """
-    geometry = geometry_numbers(cell) if bake else geometry_symbols(cell)
-    sample = Sample(cell, geometry, sample_symbols(cell))
-    last = {} if bake else {"geometry": geometry.symbol}
-    functions = {}
+    sample, functions = sample_of(cell, bake=bake), {}
     for name in names:
-        built = BUILDERS[name](sample)
-        if built is not None:
-            inputs, outputs = built[0] | last, built[1]
-            functions[name] = ca.Function(
-                f"{stem}_{name}",
-                list(inputs.values()),
-                ca.cse([ca.densify(output) for output in outputs.values()]),
-                list(inputs),
-                list(outputs),
-            )
+        if not _is_allowed(cell, name):
+            continue
+        builder, given = BUILDERS[name]
+        outputs, inputs = builder(sample), [*given, *(() if bake else (GEOMETRY,))]
+        functions[name] = ca.Function(
+            f"{stem}_{name}",
+            [sample.inputs[one] for one in inputs],
+            ca.cse([ca.densify(output) for output in outputs.values()]),
+            inputs,
+            list(outputs),
+        )
     return functions

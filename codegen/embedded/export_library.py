@@ -138,7 +138,7 @@ def _check_name(name: str) -> None:
 
 def filled(text: str, words: dict[str, str]) -> str:
     """A text with what stands for each @WORD@ in place; tables that the cell has not stand under conditions of C."""
-    return re.sub(r"@([A-Z_]+)@", lambda match: words.get(match.group(1), ""), text)
+    return re.sub(r"@([A-Z_]+)@", lambda match: words.get(match.group(1), "{}"), text)
 
 
 def write_library(folder: Path, texts: dict[str, str]) -> None:

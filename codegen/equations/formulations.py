@@ -1,106 +1,140 @@
 # SPDX-License-Identifier: MIT
-"""The three ways to write torques and wrenches as affine functions of few unknowns.
+"""Torques and wrenches as affine functions of few unknowns, in three forms, and those of a given motion.
 
-Every formulation gives, for its unknowns x (c² last),
+Every formulation gives, for its unknowns x (k of them, c² last),
 
     τ = torque_map x + torque_offset        F = wrench_map x + wrench_offset        equality_map x = equality_rhs
 
-so that each limit on a torque or a wrench is one two-sided linear row, whatever the formulation.
+with Shapes (m, k), (m,) [N m], (n w, k), (n w,) [N, N m], (e, k), (e,), so that each limit on a torque or a wrench is
+one two-sided linear row, whatever the formulation.
 """
 
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.cell_model import CellModel
-from mrts_codegen.equations.arm_dynamics import block_diagonal
-from mrts_codegen.equations.cooperative_terms import CooperativeTerms
-from mrts_codegen.equations.geometry import Geometry
-
-FORMULATION = ("torque_map", "torque_offset", "wrench_map", "wrench_offset", "equality_map", "equality_rhs")
-"""Of the unknowns x (k of them, c² last): Shapes (m, k), (m,) [N m], (n w, k), (n w,) [N, N m], (e, k), (e,)."""
-
-
-def formulation(*values: Any) -> dict[str, Any]:
-    """Torques, wrenches and balance as affine maps of the unknowns, by name; `values` as in `FORMULATION`."""
-    return {name: ca.densify(value) for name, value in zip(FORMULATION, values, strict=False)}
+from mrts_codegen.equations.arm_dynamics import block_diagonal, chain_motion, spin, transmitted_torques
+from mrts_codegen.equations.object_dynamics import (
+    angular_balance,
+    grasp_map,
+    grasp_map_inverse,
+    linear_balance,
+    load_inertia,
+)
+from mrts_codegen.equations.sample import Sample
 
 
-def wrench_form(terms: CooperativeTerms) -> dict[str, Any]:
+def grasp_maps(sample: Sample) -> list[Any]:
+    """B_i of each arm, each Shape (w, w)."""
+    arms = zip(sample.offsets, sample.bases, strict=True)
+    return [grasp_map(offset, base.R, sample.cell.components) for offset, base in arms]
+
+
+def wrench_form(sample: Sample) -> dict[str, Any]:
     """Eq. (20): unknowns [F_1 … F_{n-1}, c²]; F_n = B_n⁻¹ (Q + c² P - Σ B_i F_i) leaves no equality.
 
     No inverse of a Jacobian, so it holds for redundant arms and at singularities.
     """
-    w = terms.B[0].size1()
-    free = len(terms.B) - 1
-    last = terms.B_last_inverse @ ca.horzcat(*(-B for B in terms.B[:-1]), terms.P)
-    wrench_map = ca.vertcat(ca.horzcat(ca.SX.eye(w * free), ca.SX.zeros(w * free, 1)), last)
-    wrench_offset = ca.vertcat(ca.SX.zeros(w * free), terms.B_last_inverse @ terms.Q)
-    return _of_wrenches(terms, wrench_map, wrench_offset)
+    (P, _, Q), B = sample.object_terms, grasp_maps(sample)
+    B_last_inverse = grasp_map_inverse(sample.offsets[-1], sample.bases[-1].R, sample.cell.components)
+    others = B[0].size1() * (len(B) - 1)
+    last = B_last_inverse @ ca.horzcat(*(-B_i for B_i in B[:-1]), P)
+    wrench_map = ca.vertcat(ca.horzcat(ca.SX.eye(others), ca.SX.zeros(others, 1)), last)
+    return _of_wrenches(sample, wrench_map, ca.vertcat(ca.SX.zeros(others), B_last_inverse @ Q))
 
 
-def _of_wrenches(terms: CooperativeTerms, wrench_map: Any, wrench_offset: Any) -> dict[str, Any]:
+def _of_wrenches(sample: Sample, wrench_map: Any, wrench_offset: Any) -> dict[str, Any]:
     """The torques E c² + G + JᵀF of wrenches that are a map of unknowns, c² last."""
-    J_T = block_diagonal([J.T for J in terms.J])
+    (E, _, G), J_T = sample.arm_terms, block_diagonal([J.T for J in sample.J])
     torque_map = J_T @ wrench_map
-    torque_map[:, -1] += terms.E
-    return formulation(torque_map, J_T @ wrench_offset + terms.G, wrench_map, wrench_offset)
+    torque_map[:, -1] += E
+    torques = {"torque_map": torque_map, "torque_offset": J_T @ wrench_offset + G}
+    return torques | {"wrench_map": wrench_map, "wrench_offset": wrench_offset}
 
 
-def torque_form(terms: CooperativeTerms) -> dict[str, Any]:
+def torque_form(sample: Sample) -> dict[str, Any]:
     """Eqs. (14), (21), (22), (23), (25), (27), (28): unknowns [τ, c²] on A_1 x = b_1.
 
     A_1 = [L, -P - L E], b_1 = L G + Q. The wrenches are J_D (τ - E c² - G), so A_2 = [J_D, -J_D E] and the offset
     -J_D G. Every Jacobian must be square and well-conditioned.
     """
-    J_D = block_diagonal([ca.solve(J.T, ca.SX.eye(J.size1())) for J in terms.J])  # under (29): J_i^-T
-    L = ca.densify(ca.horzcat(*terms.B) @ J_D)
-    joints = terms.E.numel()
-    return formulation(
-        ca.horzcat(ca.SX.eye(joints), ca.SX.zeros(joints, 1)),
-        ca.SX.zeros(joints),
-        ca.horzcat(J_D, -J_D @ terms.E),
-        -J_D @ terms.G,
-        ca.horzcat(L, -terms.P - L @ terms.E),
-        L @ terms.G + terms.Q,
-    )
+    (E, _, G), (P, _, Q) = sample.arm_terms, sample.object_terms
+    J_D = block_diagonal([ca.solve(J.T, ca.SX.eye(J.size1())) for J in sample.J])  # under (29): J_i^-T
+    L = ca.densify(ca.horzcat(*grasp_maps(sample)) @ J_D)
+    joints = E.numel()
+    return {
+        "torque_map": ca.horzcat(ca.SX.eye(joints), ca.SX.zeros(joints, 1)),
+        "torque_offset": ca.SX.zeros(joints),
+        "wrench_map": ca.horzcat(J_D, -J_D @ E),
+        "wrench_offset": -J_D @ G,
+        "equality_map": ca.horzcat(L, -P - L @ E),
+        "equality_rhs": L @ G + Q,
+    }
 
 
-def fixed_distribution(
-    cell: CellModel, geometry: Geometry, terms: CooperativeTerms, shares: Any, internal_wrench: Any
-) -> dict[str, Any]:
+def fixed_distribution(sample: Sample) -> dict[str, Any]:
     """Eqs. (36), (37): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
 
-    Args:
-        cell: The cell.
-        geometry: Its geometry.
-        terms: Terms of the sample.
-        shares: α_i, Shape (n,); the caller keeps Σ α_i = 1.
-        internal_wrench: Prescribed internal wrenches in base axes, Shape (n w,), with Σ B_i F_i = 0.
+    The caller keeps Σ α_i = 1 of the shares, and Σ B_i F_i = 0 of the internal wrenches, base axes.
     """
-    wrench_map = _shared_wrench(cell, geometry, terms, shares, terms.P)
-    wrench_offset = _shared_wrench(cell, geometry, terms, shares, terms.Q) + internal_wrench
-    return _of_wrenches(terms, wrench_map, wrench_offset)
+    P, _, Q = sample.object_terms
+    return _of_wrenches(sample, _shared_wrench(sample, P), _shared_wrench(sample, Q) + sample.inputs["internal_wrench"])
 
 
-def six_components(cell: CellModel, wrench: Any) -> Any:
-    """A wrench with zeros where the cell has no components, Shape (6,)."""
+def _six_components(sample: Sample, wrench: Any) -> tuple[Any, Any]:
+    """Force and moment of a wrench, with zeros where the cell has no components, each Shape (3,)."""
     full = ca.SX.zeros(6)
-    full[list(cell.components)] = wrench
-    return full
+    full[list(sample.cell.components)] = wrench
+    return full[:3], full[3:]
 
 
-def _shared_wrench(cell: CellModel, geometry: Geometry, terms: CooperativeTerms, shares: Any, total: Any) -> Any:
+def _shared_wrench(sample: Sample, total: Any) -> Any:
     """Eq. (35): arm i gives force α_i f and moment α_i (M - Σ_j r_j × α_j f), extended to any grasp.
 
     With α_i = 1/n and Σ r_j = 0 this is (35) as printed. `total` is [f; M] in world axes, Shape (w,).
     """
-    rows, full = list(cell.components), six_components(cell, total)
-    f, M = full[:3], full[3:]
-    for index, offset in enumerate(terms.offsets):
+    shares, (f, M) = sample.inputs["shares"], _six_components(sample, total)
+    for index, offset in enumerate(sample.offsets):
         M = M - ca.cross(offset, shares[index] * f)
-    wrenches = []
-    for index, base in enumerate(geometry.bases):
-        R_base_world = ca.SX(base.R.T)
-        wrench = ca.vertcat(R_base_world @ f, R_base_world @ M) * shares[index]
-        wrenches.append(wrench[rows])
-    return ca.vertcat(*wrenches)
+    wrenches = [ca.vertcat(base.R.T @ f, base.R.T @ M) * shares[index] for index, base in enumerate(sample.bases)]
+    return ca.vertcat(*(wrench[list(sample.cell.components)] for wrench in wrenches))
+
+
+def played_torques(sample: Sample) -> dict[str, Any]:
+    """Torques D q̈ + C + G + JᵀF of joints that move as they do, for wrenches that carry the object nearly.
+
+    The object moves as the first arm's tip does. What the wrenches, given in its axes, lack of what it takes is put on
+    as (35) does, for any grasp: equal forces, and equal moments of what these forces leave.
+
+    Returns:
+        "torque", Shape (m,) [N m or N], and "wrench" in the axes of the bases, Shape (n w,) [N, N m].
+    """
+    grasps, count, rows = sample.grasps, len(sample.models), list(sample.cell.components)
+    moves = zip(sample.models, *map(sample.arms, ("q", "dq", "ddq")), [-down for down in sample.down], strict=True)
+    motions = [chain_motion(*of_arm) for of_arm in moves]
+    given = [_six_components(sample, part) for part in ca.vertsplit(sample.inputs["object_wrench"], len(rows))]
+    lacking_force, lacking_moment = _needed(sample, motions[0])
+    for grasp, (force, moment) in zip(grasps, given, strict=True):
+        lacking_force -= force
+        lacking_moment -= moment + ca.cross(grasp.p, force)
+    lacking_moment -= sum((ca.cross(grasp.p, lacking_force) for grasp in grasps), ca.SX.zeros(3)) / count
+    torques, wrenches = [], []
+    for model, grasp, motion, (force, moment) in zip(sample.models, grasps, motions, given, strict=True):
+        turn = grasp.R.T  # from the object to the tip
+        f, n = turn @ (force + lacking_force / count), turn @ (moment + lacking_moment / count)
+        torques += transmitted_torques(model, motion, f, n)
+        both = ca.horzcat(f, n)
+        for R in (*(joint[0] for joint in motion), ca.SX(model.tip.R))[::-1]:
+            both = R @ both
+        wrenches.append(ca.vec(both)[rows])
+    return {"torque": ca.vertcat(*torques), "wrench": ca.vertcat(*wrenches)}
+
+
+def _needed(sample: Sample, motion: list[Any]) -> tuple[Any, Any]:
+    """What the object takes about its origin, in its axes, as the tip of the first arm moves it."""
+    tip, grasp, load = sample.models[0].tip, sample.grasps[0], sample.inputs["load"]
+    R, p = ca.SX(tip.R) @ grasp.R.T, ca.SX(tip.p)
+    origin = p - R @ grasp.p  # of the object, in the frame of the last joint
+    *_, w, dw, a = motion[-1]
+    w, dw, a = R.T @ w, R.T @ dw, R.T @ (a + spin(w, dw) @ origin)
+    h = load[1:4]
+    return linear_balance(load[0], h, a, w, dw), angular_balance(load_inertia(load), h, a, w, dw)

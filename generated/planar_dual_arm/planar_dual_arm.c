@@ -3662,7 +3662,7 @@ MRTS_MODEL(planar_dual_arm_fixed_distribution, "q[6x1], dq[6x1], ddq[6x1], objec
     res[3][5] = a27;
 }
 
-MRTS_MODEL(planar_dual_arm_played_torques, "q[6x1], dq[6x1], ddq[6x1], load[10x1], shares[6x1], geometry[51x1] -> torque[6x1], wrench[6x1]") {
+MRTS_MODEL(planar_dual_arm_played_torques, "q[6x1], dq[6x1], ddq[6x1], load[10x1], object_wrench[6x1], geometry[51x1] -> torque[6x1], wrench[6x1]") {
     MRTS_NUMBER a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
     MRTS_NUMBER a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35, a36, a37, a38, a39, a40, a41, a42, a43, a44, a45;
     MRTS_NUMBER a46, a47, a48, a49, a50, a51, a52, a53, a54, a55, a56, a57, a58, a59, a60, a61, a62, a63, a64;

@@ -57,11 +57,6 @@ Size = Annotated[int, Rule(ge=1, le=LARGEST_SIZE)]
 Arguments = Annotated[dict[Identifier, tuple[Size, Size]], Rule(min_length=1, max_length=MOST)]
 
 
-def geometry_size(robots: int, held: int) -> int:
-    """Entries of a geometry vector."""
-    return GRAVITY_SIZE + ROBOT_SIZE * robots + held
-
-
 class FunctionRecord(Record):
     """One generated function; what goes in and comes out has a name and a dense shape (rows, columns)."""
 

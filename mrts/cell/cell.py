@@ -116,17 +116,6 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         return f"<Cell '{self.name}': {arms}; {self.plane or 'spatial'}; load {load}>"
 
     @cached_property
-    def geometry(self) -> Array:
-        """Gravity, bases, grasps and what held joints place, as the generated functions take it, Shape (3 + 24 n + h,).
-
-        Layout: `mrts.base.manifest.ROBOT_SIZE`.
-        """
-        poses = [T.numbers for robot in self.robots for T in (robot.T_world_base, robot.T_object_tip)]
-        whole = np.concatenate([self.gravity, *poses, *(robot.held_numbers for robot in self.robots)])
-        whole.flags.writeable = False
-        return whole
-
-    @cached_property
     def limits_motion(self) -> bool:
         """Whether it has limits of the motion alone, beside those of velocities of joints and object."""
         sides = [side for robot in self.robots for side in (robot.acceleration_lower, robot.acceleration_upper)]

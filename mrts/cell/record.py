@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -166,6 +167,17 @@ class CellRecord:
             if len(robot.wrench_lower) != len(self.wrench_components):
                 rule = f"must have Shape ({len(self.wrench_components)},): {', '.join(self.wrench_components)}."
                 raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
+
+    @cached_property
+    def geometry(self) -> Array:
+        """Gravity, bases, grasps and what held joints place, as the generated functions take it, Shape (3 + 24 n + h,).
+
+        Layout: `mrts.base.manifest.ROBOT_SIZE`.
+        """
+        poses = [T.numbers for robot in self.robots for T in (robot.T_world_base, robot.T_object_tip)]
+        whole = np.concatenate([self.gravity, *poses, *(robot.held_numbers for robot in self.robots)])
+        whole.flags.writeable = False
+        return whole
 
     def record(self) -> dict[str, Any]:
         """What a manifest says of it, by attribute."""

@@ -33,8 +33,8 @@ static const planar_dual_arm_settings DEFAULTS = {
     {},
     {},
     {},
-    ,
-    ,
+    {},
+    {},
     PLANAR_DUAL_ARM_UNLIMITED,
 #if PLANAR_DUAL_ARM_LINES
     {},

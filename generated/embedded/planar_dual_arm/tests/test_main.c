@@ -24,7 +24,7 @@ static void demand(int holds, int vector, const char *what, double ours, double 
     if (failures <= 10) printf("vector %d: %s is %.10g, expected %.10g\n", vector, what, ours, theirs);
 }
 
-static void compare(int k, const char *what, const planar_dual_arm_range *range, int status, double lower, double upper,
+static void compare(int k, const char *what, const planar_dual_arm_range *range, int status, planar_dual_arm_real lower, planar_dual_arm_real upper,
                     int *undecided) {
     if (range->status == PLANAR_DUAL_ARM_UNDECIDED) {
         ++*undecided;
@@ -32,8 +32,9 @@ static void compare(int k, const char *what, const planar_dual_arm_range *range,
     }
     demand((int)range->status == status, k, what, range->status, status);
     if ((int)range->status != status || status == PLANAR_DUAL_ARM_INFEASIBLE) return;
-    demand(close_to((double)range->lower, lower), k, "lower end", (double)range->lower, lower);
-    if (status != PLANAR_DUAL_ARM_UNBOUNDED) demand(close_to((double)range->upper, upper), k, "upper end", (double)range->upper, upper);
+    const double ours[] = {(double)range->lower, (double)range->upper}, theirs[] = {(double)lower, (double)upper};
+    demand(close_to(ours[0], theirs[0]), k, "lower end", ours[0], theirs[0]);
+    if (status != PLANAR_DUAL_ARM_UNBOUNDED) demand(close_to(ours[1], theirs[1]), k, "upper end", ours[1], theirs[1]);
 }
 #if PLANAR_DUAL_ARM_THINGS
 
@@ -42,12 +43,12 @@ static void compare(int k, const char *what, const planar_dual_arm_range *range,
 #define POLYGON (planar_dual_arm_real)0.9999
 
 /* Moves answers onto others that lie between them and those `inside`, whose range is the shorter one. */
-static void approach(planar_dual_arm_range *range, const planar_dual_arm_range *inside, int status, double lower, double upper) {
+static void approach(planar_dual_arm_range *range, const planar_dual_arm_range *inside, int status, planar_dual_arm_real lower, planar_dual_arm_real upper) {
     const int left = inside->status == PLANAR_DUAL_ARM_OK || inside->status == PLANAR_DUAL_ARM_UNBOUNDED;
     const double low = (double)(left ? inside->lower : range->upper), high = (double)(left ? inside->upper : range->lower);
     if ((int)inside->status == status) range->status = inside->status;
-    if (lower >= (double)range->lower && lower <= low * (1 + TOLERANCE)) range->lower = (planar_dual_arm_real)lower;
-    if (upper <= (double)range->upper && upper >= high * (1 - TOLERANCE)) range->upper = (planar_dual_arm_real)upper;
+    if (lower >= range->lower && (double)lower <= low * (1 + TOLERANCE)) range->lower = lower;
+    if (upper <= range->upper && (double)upper >= high * (1 - TOLERANCE)) range->upper = upper;
 }
 #endif
 
@@ -94,12 +95,12 @@ int main(void) {
 #endif
         compare(k, "equal share", &range, vector->share_status, vector->share_lower, vector->share_upper, &undecided);
         if (vector->c2 <= 0) continue;
-        if (planar_dual_arm_torques(&vector->sample, &settings, (planar_dual_arm_real)vector->c2, torque, wrench, &workspace) != PLANAR_DUAL_ARM_OK) {
+        if (planar_dual_arm_torques(&vector->sample, &settings, vector->c2, torque, wrench, &workspace) != PLANAR_DUAL_ARM_OK) {
             ++undecided;
             continue;
         }
         for (int joint = 0; joint < PLANAR_DUAL_ARM_JOINTS; ++joint) {
-            const double found = (double)torque[joint], wanted = vector->torque[joint];
+            const double found = (double)torque[joint], wanted = (double)vector->torque[joint];
             const double limit = 1 / sqrt((double)settings.weight[joint]);
             demand(fabs(found - wanted) <= 10 * TOLERANCE * limit, k, "torque", found, wanted);
         }
