@@ -78,7 +78,7 @@ def export_library(
         tables: Of `mrts.output.embedded_tables`.
         kernel: Gives the text of a file of the kernel's C.
         precision: Of its numbers.
-        plan: A plan to be played at any speed (`mrts.override.tables.PlayedTables`).
+        plan: A plan to be played at any speed (`mrts.control.override_tables.PlayedTables`).
 
     Raises:
         InputError: If the precision does not exist, the name cannot be taken, or a function holds an
