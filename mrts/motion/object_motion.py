@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: MIT
 """The motion of the carried object: its samples, checked, and where it is known, its course between them."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import InitVar, dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
 
 from mrts.base.arrays import Array, freeze
-from mrts.base.errors import InputError, Remark, check_type
+from mrts.base.errors import InputError, Remark
 from mrts.base.formats.record import Shape, check_attributes
-from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import vectors_from_rotations
 
 ORTHOGONAL = 1e-6
@@ -42,7 +41,7 @@ ObjectCourse = Callable[[Array], ObjectRates]
 
 
 @dataclass(frozen=True, repr=False)
-class ObjectMotion(InNotebooks):
+class ObjectMotion:
     """N samples of the given motion of the object frame, world axes.
 
     Attributes:
@@ -52,7 +51,6 @@ class ObjectMotion(InNotebooks):
         twist: [p'; φ'], Shape (N, 6) [m/s, rad/s].
         acceleration: [p''; φ''], Shape (N, 6) [m/s², rad/s²].
         remarks: What to know of how it was read.
-        smooth: Whether the rates are to be compared with the steps between samples; not where accelerations jump.
         course: The same motion at any times; None where only its samples are known.
     """
 
@@ -61,26 +59,13 @@ class ObjectMotion(InNotebooks):
     rotation: Annotated[Array, Shape("N", 3, 3, finite=True)]
     twist: Annotated[Array, Shape("N", 6, finite=True)]
     acceleration: Annotated[Array, Shape("N", 6, finite=True)]
-    smooth: InitVar[bool] = True
     remarks: tuple[Remark, ...] = field(default=(), kw_only=True)
     course: ObjectCourse | None = field(default=None, kw_only=True, compare=False)
 
     def __repr__(self) -> str:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
 
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Where it begins and ends, how fast it is."""
-        speed, turning = (np.max(np.linalg.norm(part, axis=1)) for part in np.split(self.twist, 2, axis=1))
-        yield NotebookTable(("", ""), [
-            ("duration", f"{self.time[-1]:.4g} s in {len(self.time)} samples"),
-            ("from", f"{', '.join(f'{x:.6g}' for x in self.position[0])} m"),
-            ("to", f"{', '.join(f'{x:.6g}' for x in self.position[-1])} m"),
-            ("fastest", f"{speed:.4g} m/s, {turning:.4g} rad/s"),
-            *((remark.code, remark.text) for remark in self.remarks),
-        ])  # fmt: skip
-
-    def __post_init__(self, smooth: bool) -> None:
-        check_type("smooth", smooth, bool)
+    def __post_init__(self) -> None:
         check_attributes(self, ObjectMotion, "motion")
         if len(self.time) < 2 or self.time[0] != 0 or not np.all(np.diff(self.time) > 0):  # noqa: PLR2004 (two ends)
             raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
@@ -88,8 +73,6 @@ class ObjectMotion(InNotebooks):
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
         object.__setattr__(self, "rotation", _by_columns(self.rotation))
         freeze(self)
-        if not smooth:
-            return
         time = self.time
         steps = vectors_from_rotations(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1))
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])

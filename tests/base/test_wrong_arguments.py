@@ -100,7 +100,7 @@ def good(planar_cell):
         "ClosureBound": {"position": 1e-3, "rotation": None},
         "CoordinatedMotion": joints | {"remarks": ()},
         "LoadBox": {"mass": 1.0, "inertia": np.eye(3), "ranges": {"mass": (0.5, 2.0)}},
-        "ObjectMotion": objects | {"smooth": True},
+        "ObjectMotion": objects,
         "Cell.with_load": {"self": planar_cell, "load": planar_cell.load},
         "Cell.with_variation": {"self": planar_cell, "mass": (0.5, 2.0)},
         "Cell.with_postures": {"self": planar_cell, "postures": {"left": [0.0, 0.0, 0.0]}},

@@ -5,6 +5,7 @@ from random_motors import equipped
 from shipped_cells import cell_of_arms
 
 import mrts
+from mrts.motion.object_motion import unchecked_object_motion
 
 GANTRY = """<robot name="gantry"><link name="base"/>
 <link name="x"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -39,11 +40,11 @@ def along_x(samples=101, **changes):
     return mrts.load_motion(description | changes)
 
 
-def straight(time, x, v, a, **given):
+def straight(time, x, v, a):
     """A motion along x of any positions, velocities and accelerations."""
     place, twist, acceleration = np.zeros((3, len(time), 6))
     place[:, 0], twist[:, 0], acceleration[:, 0] = x, v, a
-    return mrts.ObjectMotion(time, place[:, :3], np.tile(np.eye(3), (len(time), 1, 1)), twist, acceleration, **given)
+    return unchecked_object_motion(time, place[:, :3], np.tile(np.eye(3), (len(time), 1, 1)), twist, acceleration)
 
 
 def there_and_back(turn, samples=101, wait=0):
@@ -59,10 +60,10 @@ def there_and_back(turn, samples=101, wait=0):
     middle = int(np.argmin(np.abs(time - turn)))
     order = np.concatenate([np.arange(middle), np.full(wait, middle), np.arange(middle, samples)]).astype(int)
     time = np.linspace(0, 1, len(order)) if wait else time
-    return straight(time, x[order], v[order], a[order], smooth=False)
+    return straight(time, x[order], v[order], a[order])
 
 
-def loop(time, turned, speed, rate, radius=0.5, **given):
+def loop(time, turned, speed, rate, radius=0.5):
     """The object around a vertical circle, its top inward, turned off the topmost place by so much at each time."""
     none = np.zeros_like(time)
     out = np.column_stack([np.sin(turned), np.cos(turned), none])
@@ -72,7 +73,7 @@ def loop(time, turned, speed, rate, radius=0.5, **given):
     acceleration[:, :3] = radius * (rate[:, None] * along - (speed**2)[:, None] * out)
     acceleration[:, 5] = -rate
     rotation = np.stack([-along, -out, np.tile([0.0, 0.0, 1.0], (len(time), 1))], axis=2)
-    return mrts.ObjectMotion(time, radius * out, rotation, twist, acceleration, **given)
+    return unchecked_object_motion(time, radius * out, rotation, twist, acceleration)
 
 
 UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N

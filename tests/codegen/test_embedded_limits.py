@@ -236,7 +236,7 @@ def once_around(cell):
     """The object in a loop, its top toward the middle, joints wherever they are."""
     angle = np.linspace(0.1, 2 * np.pi - 0.1, 41)  # from the lowest point
     turning = np.full(len(angle), TURNING)
-    path = loop((angle - angle[0]) / TURNING, np.pi - angle, -turning, 0 * turning, RADIUS, smooth=False)
+    path = loop((angle - angle[0]) / TURNING, np.pi - angle, -turning, 0 * turning, RADIUS)
     q, rest = np.tile(cell.posture, (len(angle), 1)), np.zeros((len(angle), len(cell.posture)))
     return angle, CoordinatedMotion(path, q, rest, rest)
 
