@@ -89,9 +89,6 @@ class ClosureBound:
         """Largest angle between tip and grasp [rad]."""
         return RAD_PER_M * self.position if self.rotation is None else self.rotation
 
-    def __str__(self) -> str:
-        return f"{self.position:g} m and {self.angle:g} rad"
-
 
 def coordinate(
     cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, closure: ClosureBound | None = None
@@ -210,9 +207,9 @@ def close_chain(
     if share > 1:
         raise MotionError(
             f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
-            f"{text} at sample {sample} (t = {given.object.time[sample]:.6g} s), the worst; {bound} "
-            "are allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they "
-            "are right, allow more with --closure (argument closure)."
+            f"{text} at sample {sample} (t = {given.object.time[sample]:.6g} s), the worst; {bound.position:g} m and "
+            f"{bound.angle:g} rad are allowed. Check the joint positions and how many digits they have, the bases and "
+            "the grasps; if they are right, allow more with --closure (argument closure)."
         )
     exact, usual = bool(np.max(gaps) <= GIVEN_CLOSURE), ClosureBound()
     wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)

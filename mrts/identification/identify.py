@@ -59,9 +59,6 @@ NOISE_MULTIPLE = 4.0
 UNEVEN = 1e-3
 """Share of a step by which times of even samples may be off: stamps are rounded."""
 
-GAP = 1.5
-"""Times the median step from which on samples are missing between two."""
-
 LONGEST_GAP = 0.25
 """Periods of the cutoff between two samples that are still bridged: what happens in longer ones is not known."""
 
@@ -322,7 +319,7 @@ def smoothed_motion(
     from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 (likewise)
 
     start, end = max(joint.time[0] for joint in joints), min(joint.time[-1] for joint in joints)
-    step = max(_step(joint.time) for joint in joints)
+    step = max(float(np.median(np.diff(joint.time))) for joint in joints)
     rate = 1 / step
     if cutoff is None:
         cutoff = min(DEFAULT_CUTOFF, rate / SLOW_SAMPLING)
@@ -384,11 +381,6 @@ def _rigid_torque(cell: Cell, robot: Robot, q: Array, dq: Array, ddq: Array) -> 
         torque = apply(of["mass_matrix"][:, part, part], ddq[some])
         parts.append(torque + of["coriolis_torque"][:, part] + of["gravity_torque"][:, part])
     return np.concatenate(parts)
-
-
-def _step(time: Array) -> float:
-    steps = np.diff(time)
-    return float(np.mean(steps[steps <= GAP * np.median(steps)]))
 
 
 def _identify_arm(robot: Robot, motion: RecordedMotion) -> ArmMotors:

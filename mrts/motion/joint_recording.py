@@ -82,14 +82,12 @@ def _from_table(path: Path) -> JointRecording:
         raise InputError(path, "holds no column q.ROBOT/JOINT: a recording has positions and efforts of joints.")
     if not parts["tau"]:
         raise InputError(path, "holds no column tau.ROBOT/JOINT: efforts are needed, in N m (N of a prismatic joint).")
-    joints = {
-        name: RecordedJoint(time, q, parts["tau"][name]) for name, q in parts["q"].items() if name in parts["tau"]
-    }
-    unusable = {
-        name: InputError(path, f"holds no column tau.{name}: the effort of every joint is needed.")
-        for name in parts["q"]
-        if name not in joints
-    }
+    joints, unusable = dict[str, RecordedJoint](), dict[str, InputError]()
+    for name, q in parts["q"].items():
+        if name in parts["tau"]:
+            joints[name] = RecordedJoint(time, q, parts["tau"][name])
+        else:
+            unusable[name] = InputError(path, f"holds no column tau.{name}: the effort of every joint is needed.")
     return JointRecording(path, joints, unusable)
 
 
