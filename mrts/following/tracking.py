@@ -141,11 +141,10 @@ WORDINGS = {
 
 @dataclass(frozen=True)
 class TrackingFailure:
-    """Why an arm cannot follow, and from which sample on; its kind is a phrase that others share: "out of reach"."""
+    """Why an arm cannot follow; its kind is a phrase that others share: "out of reach"."""
 
     kind: str
     message: str
-    sample: int
 
 
 def tracking_failure(
@@ -162,7 +161,7 @@ def tracking_failure(
         hint=" If these are degrees: positions are in rad." if degrees else "",
     )
     at = f"sample {sample} (t = {time[sample]:.6g} s)"
-    return TrackingFailure(kind, f"robot '{robot.name}' {does} at {at}: {why} {advice}", sample)
+    return TrackingFailure(kind, f"robot '{robot.name}' {does} at {at}: {why} {advice}")
 
 
 @dataclass(frozen=True)
@@ -203,7 +202,7 @@ class TrackedVariants:
     def failure(self, variant: int) -> TrackingFailure | None:
         """Why a variant cannot follow: of the first arm that ends on the way, or else passes a limit."""
         if variant in self.reasons:
-            return TrackingFailure(OUT_OF_REACH, self.reasons[variant], 0)
+            return TrackingFailure(OUT_OF_REACH, self.reasons[variant])
         code = self.outcome[variant]["code"]
         ends = code != tracking.FOLLOWED
         on_the_way = ends & (code != tracking.PAST_LIMIT)

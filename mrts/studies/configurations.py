@@ -184,7 +184,7 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Trac
             branches[robot.name].append(Branch(robot.name, number + 1, own, failure))
         if not len(of_robot):
             message = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
-            failure = TrackingFailure(OUT_OF_REACH, message, 0)
+            failure = TrackingFailure(OUT_OF_REACH, message)
             branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
     return tracks, branches
 
