@@ -392,25 +392,17 @@ def _identify_arm(robot: Robot, motion: RecordedMotion) -> ArmMotors:
         fit_joint(columns[:, place], left_over, used, float(fastest[place]), float(limits[place]))
         for place, (left_over, used) in enumerate(zip(motion.left_over.T, motion.used.T, strict=True))
     ]
-    fits, offset, fitted, residual_rms = zip(*parts, strict=True)
-    return ArmMotors(
-        robot=robot,
-        motion=motion,
-        **{key: dict(zip(UNITS, np.array([fit[key] for fit in fits]).T, strict=True)) for key in fits[0]},
-        offset=np.array(offset),
-        residual_rms=np.array(residual_rms),
-        explained=_explained(motion, np.array(residual_rms)),
-        fitted=np.column_stack(fitted),
-    )
-
-
-def _explained(motion: RecordedMotion, residual_rms: Array) -> Array:
-    shares = np.ones(len(residual_rms))
-    for place, used in enumerate(motion.used.T):
-        variance = float(np.var(motion.effort[used, place])) if np.any(used) else 0.0
-        if variance > 0:
-            shares[place] = 1 - residual_rms[place] ** 2 / variance
-    return shares
+    theta, half_width, reasons, held = map(np.array, zip(*parts, strict=True))
+    known, used = reasons == "", motion.used
+    fitted = np.einsum("bjk,jk->bj", columns, theta[:, :3]) + theta[:, 3]
+    count = np.maximum(np.count_nonzero(used, axis=0), 1)
+    mean = np.sum(np.where(used, motion.effort, 0.0), axis=0) / count
+    offs = (motion.left_over - fitted, motion.effort - mean)
+    left, variance = (np.sum(np.where(used, off, 0.0) ** 2, axis=0) / count for off in offs)
+    by_parameter = np.where(known, theta[:, :3], 0.0), np.where(known, half_width, np.inf), reasons, held & known
+    value, width, why, bounded = (dict(zip(UNITS, of.T, strict=True)) for of in by_parameter)
+    explained = 1 - left / np.where(variance > 0, variance, np.inf)
+    return ArmMotors(robot, motion, value, width, why, bounded, theta[:, 3], np.sqrt(left), explained, fitted)
 
 
 def _remarks(arm: ArmMotors) -> Iterator[Remark]:
@@ -451,7 +443,7 @@ def _remarks(arm: ArmMotors) -> Iterator[Remark]:
 
 def fit_joint(
     columns: Array, left_over: Array, used: NDArray[np.bool_], fastest: float, torque_limit: float
-) -> tuple[dict[str, NDArray[Any]], float, Array, float]:
+) -> tuple[Array, Array, NDArray[np.str_], NDArray[np.bool_]]:
     """Least squares of effort - τ_rb = I_a q̈ + τ_c sign(q̇) + b q̇ + offset, with I_a, τ_c, b >= 0.
 
     Variances come from the residuals without the bounds: the larger of the two that ordinary least squares and Newey
@@ -466,8 +458,8 @@ def fit_joint(
         torque_limit: That it has [N m or N].
 
     Returns:
-        What `ArmMotors` has of the parameters of this joint, each Shape (3,); the constant part of the effort
-        [N m or N]; what they say of the blocks, Shape (B,) [N m or N]; root mean square of what is left [N m or N].
+        I_a, τ_c, b and offset, Shape (4,); of the first three half their interval, why they are not identified, or "",
+        and whether they are 0 because they must not be negative, Shape (3,) each.
     """
     from scipy.optimize import lsq_linear  # noqa: PLC0415 (slow to import)
     from scipy.special import stdtrit  # noqa: PLC0415 (likewise)
@@ -489,15 +481,7 @@ def fit_joint(
         half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
         doubt = half * np.array([fastest / REFERENCE_RAMP, 1.0, fastest])
         reasons = _reasons(columns[used], independent, doubt, torque_limit)
-    known, fitted = reasons == "", full @ theta
-    found = {
-        "value": np.where(known, theta[:3], 0.0),
-        "half_width": np.where(known, half, np.inf),
-        "reasons": reasons,
-        "bounded": held[:3] & known,
-    }
-    left = left_over[used] - fitted[used]
-    return found, float(theta[3]), fitted, float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
+    return theta, half, reasons, held[:3]
 
 
 def _left_by_others(X: Array, column: int) -> float:
