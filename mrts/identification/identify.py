@@ -8,7 +8,7 @@ and accelerations are those of the quintic spline through the smoothed positions
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from textwrap import indent
 from typing import Any
@@ -335,15 +335,14 @@ def smoothed_motion(
             f" needs at least {least:.3g} s, a good identification 20 s or more.",
         )
     time = start + step * np.arange(count)
-    joints = [
-        replace(joint, position=np.unwrap(joint.position)) if unit == "rad" else joint  # encoders leap from π to -π
-        for joint, unit in zip(joints, robot.position_units, strict=True)
-    ]
-    position, effort = np.empty((2, count, len(joints)))
-    for place, joint in enumerate(joints):
+    position, effort, gap = np.empty((3, count, len(joints)))
+    for place, (joint, unit) in enumerate(zip(joints, robot.position_units, strict=True)):
+        turned = np.unwrap(joint.position) if unit == "rad" else joint.position  # encoders leap from π to -π
         within = np.clip(time, joint.time[0], joint.time[-1])
-        position[:, place] = make_interp_spline(joint.time, joint.position, k=3)(within)
+        position[:, place] = make_interp_spline(joint.time, turned, k=3)(within)
         effort[:, place] = np.interp(within, joint.time, joint.effort)
+        after = np.clip(np.searchsorted(joint.time, time), 1, len(joint.time) - 1)
+        gap[:, place] = joint.time[after] - joint.time[after - 1]
     low_pass = butter(ORDER, cutoff, fs=rate, output="sos")
     q = sosfiltfilt(low_pass, position, axis=0)
     spline = make_interp_spline(time - start, q, k=DEGREE)
@@ -351,10 +350,8 @@ def smoothed_motion(
     # 2π f_c √(2 f_c / 3 f_s) times white noise of the positions
     speed_noise = 2 * np.pi * cutoff * np.sqrt(2 * cutoff / (3 * rate)) * np.std(position - q, axis=0)
     fastest = np.max(np.abs(dq), axis=0)
-    sure = np.abs(dq) > np.maximum(np.maximum(SLOW_SHARE * fastest, NOISE_MULTIPLE * speed_noise), SLOWEST)
-    for place, recorded in enumerate(joint.time for joint in joints):
-        after = np.clip(np.searchsorted(recorded, time), 1, len(recorded) - 1)
-        sure[:, place] &= recorded[after] - recorded[after - 1] <= LONGEST_GAP / cutoff
+    slow = np.abs(dq) <= np.maximum(np.maximum(SLOW_SHARE * fastest, NOISE_MULTIPLE * speed_noise), SLOWEST)
+    sure = ~slow & (gap <= LONGEST_GAP / cutoff)
     ends, reach = (int(np.ceil(periods * rate / cutoff)) for periods in (ENDS, FORGOTTEN))
     sure[:ends], sure[-ends:] = False, False
     known = minimum_filter1d(sure.astype(np.float64), 2 * reach + 1, axis=0, mode="nearest")
