@@ -22,7 +22,7 @@ from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import DEFAULT_SOLVER, Answers, ConvexPrograms, scales, solve_programs
 
 BINDING_TOLERANCE = 1e-7
-"""A row binds if its multiplier exceeds this share of the largest, or, where c² is the only unknown, it ties so."""
+"""A row binds if its multiplier exceeds this share of the largest."""
 
 Duals = NDArray[np.float32]
 """Multipliers of r rows and of c² >= 0 at the lower and the upper ends of N samples, Shape (2, N, r + 1): positive at a
@@ -79,26 +79,6 @@ def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     return RangeEnds(lower, upper, duals, found["status"].max(axis=1), found["gap"], found["effect"])
 
 
-def ends_of_rows(problem: SampleProblem) -> RangeEnds:
-    """Eqs. (38), (39): where c² is the only unknown every row bounds it by itself."""
-    kept = np.flatnonzero(~problem.is_cap)
-    a, limits = problem.square[:, kept], np.stack([problem.lower[:, kept], problem.upper[:, kept]])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ends = np.where(a > 0, limits / a, (limits / a)[::-1])
-    ends = np.where(a == 0, np.array([-np.inf, np.inf])[:, None, None], ends)
-    holds = np.all((limits[0] <= limits[1]) & ((a != 0) | (limits[0] <= 0) & (limits[1] >= 0)), axis=1)
-    lower = np.where(holds, np.max(ends[0], axis=1, initial=0.0), np.inf)
-    upper = np.where(holds, np.minimum(np.min(ends[1], axis=1, initial=np.inf), problem.cap()), -np.inf)
-    reached = np.stack([lower, upper])[:, :, None]
-    tied = (np.abs(ends - np.where(np.isfinite(reached), reached, 0.0)) <= BINDING_TOLERANCE * reached) & (reached > 0)
-    side = np.where(a > 0, 1, -1) * np.array([-1, 1])[:, None, None]
-    dual = np.zeros((2, *problem.lower.shape))
-    dual[:, :, kept] = tied * side
-    status = np.where(lower <= upper, OPTIMAL, INFEASIBLE).astype(np.uint8)
-    duals = binding_duals(dual, lower == 0)
-    return RangeEnds(lower, upper, duals, status, np.zeros(len(lower)), problem.effect(caps=True))
-
-
 def _duals_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Duals:
     """Multipliers of the kernel's bases and theirs, Shape (2, N, k) each.
 
@@ -141,9 +121,7 @@ AT_UNBOUNDED = 1e-9
 
 def ends_of_problem(problem: SampleProblem, high: float, *, alone: bool = False) -> RangeEnds:
     """The ends of the rows of some samples; as in `motion_ranges`, or by the problem's solver alone."""
-    if problem.speed is None and problem.unknowns == 1:
-        found = ends_of_rows(problem)
-    elif problem.speed is None:
+    if problem.speed is None and (problem.unknowns > 1 or not alone):
         found = ends_by_linear_programs(problem, alone=alone)
     else:
         found = intervals_below(lambda most: highest_intervals(problem, most), np.full(problem.samples, np.inf), high)
@@ -219,12 +197,14 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
 
 
 def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
-    """The highest interval of c² up to `most`, Shape (N,), that each sample admits; `duals` leave out caps."""
-    assert problem.speed is not None  # noqa: S101 (asked of rows with a column of ṙ)
+    """The highest interval of c² up to `most`, Shape (N,), that each sample admits; `duals` leave out caps.
+
+    Where c² is the only unknown, the kernel has eqs. (38), (39) to solve: every row bounds it by itself.
+    """
     rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
     column, row = scales(A, lower == upper)
-    A, speed = A * row[:, :, None], problem.speed[:, rows] * row
+    A, speed = A * row[:, :, None], 0.0 * row if problem.speed is None else problem.speed[:, rows] * row
     count = problem.samples
     (low, high, below), of_rows = np.zeros((3, count)), np.zeros((2, *lower.shape))
     status = np.full(count, MARGINAL, dtype=np.uint8)
