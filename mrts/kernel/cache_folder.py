@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The user's own cache: what lies in it is compiled and run, so nobody else may be able to write there."""
 
-import atexit
 import logging
 import os
-import shutil
 import stat
 import tempfile
 from collections.abc import Callable
@@ -44,7 +42,7 @@ def cache_folder(*inside: str) -> Path:
         if named:
             raise InputError(named, f"the cache folder cannot be made: {error}. {ADVICE}") from None
     _warn(problem)
-    folder = _temporary_cache().joinpath(*inside)
+    folder = Path(_temporary_cache().name).resolve().joinpath(*inside)
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -74,15 +72,8 @@ def _warn(problem: str) -> None:
 
 
 @lru_cache
-def _temporary_cache() -> Path:
+def _temporary_cache() -> tempfile.TemporaryDirectory[str]:
     try:
-        folder = Path(tempfile.mkdtemp(prefix="mrts-")).resolve()
+        return tempfile.TemporaryDirectory(prefix="mrts-", ignore_cleanup_errors=True)
     except OSError as error:
         raise InputError(tempfile.gettempdir(), f"no temporary folder can be made: {error}. {ADVICE}") from None
-    atexit.register(_remove, folder, os.getpid())
-    return folder
-
-
-def _remove(folder: Path, process: int) -> None:
-    if os.getpid() == process:
-        shutil.rmtree(folder, ignore_errors=True)

@@ -56,11 +56,9 @@ class LoadSharing(EqualByNumbers):
         robots = len(cell.robots)
         size = robots * len(cell.wrench_components)
         shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
-        if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
-            rule = f"must be {robots} finite numbers >= 0, one for each robot."
-            raise InputError("sharing", rule, key="shares", value=shares.tolist())
-        if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
-            rule = f"must sum to 1; they sum to {np.sum(shares):.12g}."
+        total, right = np.sum(shares), shares.shape == (robots,) and np.isfinite(shares).all() and (shares >= 0).all()
+        if not right or abs(total - 1) > SHARE_TOLERANCE:
+            rule = f"must be {robots} finite numbers >= 0, one for each robot, that sum to 1; they sum to {total:.12g}."
             raise InputError("sharing", rule, key="shares", value=shares.tolist())
         if self.internal_wrench is None:
             return {"shares": shares, "internal_wrench": np.zeros(size)}

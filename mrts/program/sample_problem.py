@@ -310,15 +310,13 @@ def _rows_of_maps(
 
 
 def _check_invertible(cell: Cell, motion: CoordinatedMotion, samples: NDArray[np.int_]) -> None:
-    size = len(cell.wrench_components)
-    for robot in cell.robots:
-        if len(robot.joints) != size:
-            raise MotionError(
-                f"the torque form needs a square Jacobian: robot '{robot.name}' has {len(robot.joints)} joints and "
-                f"{size} wrench components. Use the wrench form."
-            )
     J = cell.functions("kinematics", len(samples), {"q": motion.q[samples]})["jacobian"]
     for robot in cell.robots:
+        if len(robot.joints) != J.shape[1]:
+            raise MotionError(
+                f"the torque form needs a square Jacobian: robot '{robot.name}' has {len(robot.joints)} joints and "
+                f"{J.shape[1]} wrench components. Use the wrench form."
+            )
         condition = np.linalg.cond(J[:, :, cell.joint_slices[robot.name]])
         worst = samples[int(np.argmax(condition))]
         if not np.max(condition) <= TORQUE_FORM_CONDITION_LIMIT:

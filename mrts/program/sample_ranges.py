@@ -155,8 +155,7 @@ def motion_ranges(rows: MotionRows, load: Array | None = None, high: float = np.
         block = suspects[start : start + BLOCK]
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
         conflicts += decide(ends, block, problem, time, high)
-    limits = rows.given.names, np.stack([rows.given.lower, rows.given.upper])
-    return _ranges(time, ends, conflicts, limits, asked)
+    return _ranges(time, ends, conflicts, (rows.given.names, rows.given.lower, rows.given.upper), asked)
 
 
 def sample_ranges(
@@ -166,18 +165,18 @@ def sample_ranges(
     still = without_speed_at_rest(problem)
     ends = ends_of_problem(still, high, alone=True)
     conflicts = decide(ends, ends.undecided, still, time, high)
-    limits = problem.names, np.stack([problem.limit_lower, problem.limit_upper])
-    return _ranges(time, ends, conflicts, limits, asked)
+    return _ranges(time, ends, conflicts, (problem.names, problem.limit_lower, problem.limit_upper), asked)
 
 
 def _ranges(
     time: Array,
     ends: RangeEnds,
     conflicts: Sequence[Conflict],
-    limits: tuple[tuple[RowName, ...], Array],
+    rows: tuple[tuple[RowName, ...], Array, Array],
     asked: Asked | None,
 ) -> SampleRanges:
-    numbers = time, ends.lower, ends.upper, *limits, ends.duals, ends.below > 0
+    names, limits = rows[0], np.stack(rows[1:])
+    numbers = time, ends.lower, ends.upper, names, limits, ends.duals, ends.below > 0
     return SampleRanges(*numbers, tuple(conflicts), asked=asked)
 
 
