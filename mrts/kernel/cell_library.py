@@ -2,7 +2,7 @@
 """A cell's generated C and our kernel in one shared library: whole trajectories in one foreign call."""
 
 import ctypes
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.binding import INFINITY, address, filled, keep_freed_memory, structure
+from mrts.kernel.binding import address, keep_freed_memory, structure
 from mrts.kernel.c_text import SELDOM
 
 LIMITS, TERMS = (structure("rows.h", f"mrts_{name}") for name in ("limits", "terms"))
@@ -29,46 +29,6 @@ Terms = Mapping[str, Array | None]
 "torque_square" and "torque_speed" are what c² and c add to each torque, "torque_offset" is added to it, Shape (N, m)
 [N m]; "square", "speed" and "offset" likewise to each row, in its unit, Shape (N, r); "margin", by how much both limits
 of each row move inward. A known c has what it adds in the offsets."""
-
-
-def sparse_limits(
-    matrix: Array,
-    lower: Array,
-    upper: Array,
-    group: Sequence[int],
-    base: Array | None = None,
-    axes: Sequence[int] = (0, 1, 2),
-) -> Any:
-    """Rows over torques and wrenches in compressed form, the `mrts_limits` of rows.h.
-
-    Args:
-        matrix: Of all torques and all wrenches, Shape (r, m + n w), or of the wrenches in object axes as well, Shape
-            (r, m + 2 n w).
-        lower: Shape (r,), minus infinity where unbounded.
-        upper: Shape (r,), infinity where unbounded.
-        group: Number of each row's group, from 0: a limit of zero is measured by the largest of its group.
-        base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None where no row is in
-            object axes.
-        axes: x, y, z (0, 1, 2) in the order in which a triple of a wrench has them.
-
-    Raises:
-        ValueError: If a lower limit is not at most the upper one.
-    """
-    if not (lower <= upper).all():
-        raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
-    row, column = np.nonzero(matrix)
-    return filled(
-        LIMITS,
-        rows=len(matrix),
-        start=np.append(0, np.cumsum(np.bincount(row, minlength=len(matrix)))),
-        column=column,
-        value=matrix[row, column],
-        lower=np.maximum(lower, -INFINITY),
-        upper=np.minimum(upper, INFINITY),
-        group=group,
-        base=base,
-        axes=axes,
-    )
 
 
 class CellLibrary:

@@ -40,7 +40,7 @@ def variant_ranges(
         library: Of the cell.
         joints: q, q' and q'' along the motion, each Shape (V, N, m).
         skipped: Variants that did not follow, Shape (V,).
-        limits: From `sparse_limits`; which limits there are is the same for all variants.
+        limits: The rows as C reads them; which limits there are is the same for all variants.
         given: By name, with V first, or 1 where all share one: the path's "rotation", "twist" and "acceleration" as in
             `mrts.kernel.tracking.follow_variants`, "load", Shape (V, 10), "geometry" as there, "most", the largest
             c² by limits of the motion alone, infinity where there is none, Shape (V, N), "lower" and "upper" limits of

@@ -17,7 +17,8 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.cell_library import sparse_limits
+from mrts.kernel.binding import INFINITY, filled
+from mrts.kernel.cell_library import LIMITS
 
 FEW = 8
 """Rows of a polygon that are enough to tell its circle."""
@@ -415,7 +416,7 @@ class LimitRows:
     @cached_property
     def compressed(self) -> Any:
         """The rows as C reads them where none is in object axes."""
-        return sparse_limits(self.matrix, self.lower, self.upper, self.groups)
+        return _compressed(self)
 
     @property
     def of_forces(self) -> NDArray[np.bool_]:
@@ -474,10 +475,31 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
 
 
 def kernel_limits(cell: Cell, rows: LimitRows) -> Any:
-    """The rows as C reads them, without the terms of single samples; see `sparse_limits`."""
-    if rows.object_matrix is None:
-        return rows.compressed
-    return sparse_limits(rows.matrix, rows.lower, rows.upper, rows.groups, *base_axes(cell))
+    """The rows as C reads them, without the terms of single samples.
+
+    Raises:
+        ValueError: If a lower limit is not at most the upper one.
+    """
+    return rows.compressed if rows.object_matrix is None else _compressed(rows, *base_axes(cell))
+
+
+def _compressed(rows: LimitRows, base: Array | None = None, axes: Sequence[int] = (0, 1, 2)) -> Any:
+    matrix, wrong = rows.matrix, np.flatnonzero(~(rows.lower <= rows.upper))
+    if wrong.size:
+        raise ValueError(f"rows {wrong.tolist()}: a lower limit is above its upper one")
+    row, column = np.nonzero(matrix)
+    return filled(
+        LIMITS,
+        rows=len(matrix),
+        start=np.append(0, np.cumsum(np.bincount(row, minlength=len(matrix)))),
+        column=column,
+        value=matrix[row, column],
+        lower=np.maximum(rows.lower, -INFINITY),
+        upper=np.minimum(rows.upper, INFINITY),
+        group=rows.groups,
+        base=base,
+        axes=axes,
+    )
 
 
 def limit_name(limit: Callable[..., object]) -> str:

@@ -179,7 +179,7 @@ class MotionRows:
         where = count, *given, limits, filled(TERMS, **self.terms(speed, samples))
         work = work_arrays(library.opened, "mrts_samples", limits.rows)
         failed = getattr(library.opened, function)(*where, *asked, *for_all, *outputs, *work)
-        assert not failed  # noqa: S101 (`sparse_limits` has looked at the limits)
+        assert not failed  # noqa: S101 (`kernel_limits` has looked at the limits)
 
     @cached_property
     def most(self) -> Array:

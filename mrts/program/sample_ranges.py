@@ -175,7 +175,7 @@ def _ranges(
     rows: tuple[tuple[RowName, ...], Array, Array],
     asked: Asked | None,
 ) -> SampleRanges:
-    names, limits = rows[0], np.stack(rows[1:])
+    names, limits = rows[0], np.array(rows[1:])
     numbers = time, ends.lower, ends.upper, names, limits, ends.duals, ends.below > 0
     return SampleRanges(*numbers, tuple(conflicts), asked=asked)
 

@@ -11,7 +11,7 @@ from shipped_cells import sizes_of
 
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import one_text
-from mrts.kernel.cell_library import sparse_limits
+from mrts.limits.rows import LimitRows, RowName
 
 C = ROOT / "mrts" / "kernel" / "c"
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
@@ -85,5 +85,7 @@ def test_a_library_that_lacks_a_function_is_refused():
 
 
 def test_reversed_limits_are_refused():
+    names, ends = (RowName("first"), RowName("second")), np.array([[0.0, 1.0], [1.0, 0.0]])
+    rows = LimitRows(names=names, lower=ends[0], upper=ends[1], torque_matrix=np.eye(2), wrench_matrix=np.eye(2))
     with pytest.raises(ValueError, match=r"rows \[1\]"):
-        sparse_limits(np.eye(2), np.array([0.0, 1.0]), np.array([1.0, 0.0]), (0, 0))
+        rows.compressed  # noqa: B018 (a property)
