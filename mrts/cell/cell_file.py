@@ -196,30 +196,24 @@ def _motors(
 ) -> JointMotors:
     columns: dict[str, Any] = {}
     for name, value in given:
-        if name == "friction" and value is not None:
-            given_of = {} if value == "none" else value
-            columns |= {
-                of: _per_joint(where, f"{key}.friction.{of}", given_of.get(of, 0.0), joints) for of in OF_FRICTION
-            }
-        elif name == "torque_speed" and value is not None:
+        if value is None:
+            continue
+        if name == "friction":
+            said = {} if value == "none" else value
+            columns |= {of: one_each(where, f"{key}.friction.{of}", said.get(of, 0.0), joints) for of in OF_FRICTION}
+        elif name == "torque_speed":
             one = value[0] is not None and not isinstance(value[0][0], list)
             curves = [value] * len(joints) if one else value
             if len(curves) != len(joints):
                 rule = f"must be one curve for all joints, or one for each of {', '.join(joints)}, null for none."
                 raise InputError(where, rule, key=f"{key}.{name}", value=value)
             columns[name] = tuple(None if curve is None else np.array(curve) for curve in curves)
-        elif value is not None:
-            columns[name] = _per_joint(where, f"{key}.{name}", value, joints, NONE_GIVEN[name])
+        else:
+            columns[name] = one_each(where, f"{key}.{name}", value, joints, NONE_GIVEN[name])
     try:
         return replace(motors, **columns)
     except InputError as error:
         raise error.inside(where, f"{key}.friction" if error.key.startswith(OF_FRICTION) else key) from None
-
-
-def _per_joint(
-    where: Path | str, key: str, value: float | Sequence[float | None], joints: Sequence[str], unknown: float = 0.0
-) -> Array:
-    return one_each(where, key, value if isinstance(value, Sequence) else [value] * len(joints), joints, unknown)
 
 
 class CellDescription(Record):

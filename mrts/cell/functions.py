@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from mrts.base.arrays import Array
-from mrts.base.errors import CompilerError, InputError
+from mrts.base.errors import InputError
 from mrts.base.manifest import GEOMETRY, MANIFEST_NAME
 from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
@@ -61,23 +61,16 @@ class CellFunctions:
         """
         if self._geometry is not None:
             inputs = {GEOMETRY: self._geometry} | inputs
-        return self.motion_library.map(name, samples, inputs)
+        return self.library.map(name, samples, inputs)
 
     @property
     def compiled(self) -> CellLibrary | None:
         """The cell's library; None where a motion is only followed, before anything is compiled."""
         return self.library if isinstance(self.origin, str) else None
 
-    @property
-    def library(self) -> CellLibrary:
-        """The cell's library."""
-        if isinstance(self.origin, dict):
-            raise CompilerError(f"cell '{self.manifest.cell.name}' is not compiled: load it with mrts.load_cell.")
-        return self.motion_library
-
     @cached_property
-    def motion_library(self) -> CellLibrary:
-        """What follows: the cell's library, or, where nothing else was compiled, one that does only that."""
+    def library(self) -> CellLibrary:
+        """The cell's library; of functions of the motion alone one that follows, and does nothing else."""
         return self.bind()
 
     def placed(self, geometry: Array) -> Self:

@@ -2,7 +2,7 @@
 """What a hand can exert on the object: contacts, which are named two-sided rows over its wrench, by their kinds."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from inspect import Parameter, signature
 from itertools import product
@@ -202,21 +202,24 @@ class Bounds(Record):
 
 
 def one_each(
-    where: Path | str, key: str, values: Sequence[float | None], names: Sequence[str], unbounded: float | None = None
+    where: Path | str,
+    key: str,
+    given: float | Sequence[float | None],
+    names: Sequence[str],
+    unbounded: float | None = None,
 ) -> Array:
-    """A number for each name, Shape (n,); null counts as `unbounded`."""
+    """A number for each name, Shape (n,), a single one for all; null counts as `unbounded`."""
+    values = given if isinstance(given, Sequence) else [given] * len(names)
     if len(values) != len(names):
         null = "" if unbounded is None else "; null is unbounded"
         raise InputError(where, f"must have {len(names)} values ({', '.join(names)}){null}.", key=key, value=values)
     return np.array([unbounded if value is None else value for value in values], dtype=np.float64)
 
 
-def limit_sides(where: Path | str, key: str, lower: Side, upper: Side, names: Sequence[str]) -> Iterator[Array]:
+def limit_sides(where: Path | str, key: str, lower: Side, upper: Side, names: Sequence[str]) -> tuple[Array, Array]:
     """Lower and upper limits of named values, each Shape (n,), infinite where there is none."""
-    return (
-        one_each(where, joined(key, side), [None] * len(names) if given is None else given, names, unbounded)
-        for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf))
-    )
+    least = one_each(where, joined(key, "lower"), -np.inf if lower is None else lower, names, -np.inf)
+    return least, one_each(where, joined(key, "upper"), np.inf if upper is None else upper, names, np.inf)
 
 
 def _box(

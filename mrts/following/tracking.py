@@ -261,7 +261,7 @@ def solve_grasps(
         given["reference"] = near[None]
     rule = tracking_rule(cell)
     rule.task.steps = steps
-    return hold_grasps(cell.functions.motion_library, rule.task, start, given, rates)
+    return hold_grasps(cell.functions.library, rule.task, start, given, rates)
 
 
 def reached(gap: Array, turn: Array) -> NDArray[np.bool_]:
@@ -291,7 +291,7 @@ def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVarian
     given = {**path, "geometry": cell.geometry[None], "posture": start, "further": nothing}
     rule = tracking_rule(cell)
     rule.start_steps = 0
-    found = follow_variants(cell.functions.motion_library, rule, np.zeros(len(start), dtype=bool), given)
+    found = follow_variants(cell.functions.library, rule, np.zeros(len(start), dtype=bool), given)
     time = np.broadcast_to(path["time"], (len(start), len(motion.time)))
     return TrackedVariants(cell.robots, time, *found, {})
 
@@ -310,7 +310,7 @@ def track_variants(
         posture: Of all joints, Shape (V or 1, m) [rad or m].
         refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
     """
-    library, rule = cell.functions.motion_library, tracking_rule(cell)
+    library, rule = cell.functions.library, tracking_rule(cell)
     given, passed = {**path, "geometry": geometry, "posture": posture}, refused.copy()
     if len(refused) > 1:  # one is searched in less time
         passed[list(_out_of_reach(cell, path, geometry, np.flatnonzero(~refused), slice(1)))] = True
