@@ -24,17 +24,8 @@ from mrts.following.coordinated_motion import (
     follow_object,
     unchecked_coordinated_motion,
 )
-from mrts.following.tracking import (
-    CONDITION_LIMIT,
-    POSE_TOLERANCE,
-    PRINTED_TOLERANCE,
-    TRACKING_STEPS,
-    check_joint_limits,
-    solve_grasps,
-    tip_rates,
-    tracking_failure,
-)
-from mrts.kernel.tracking import OUT_OF_REACH, SINGULAR, closure_sizes
+from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits, check_regular, joints_on_grasps, tip_rates
+from mrts.kernel.tracking import closure_sizes
 from mrts.motion.joint_table import MOST_NAMED, JointTable, required_columns
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
@@ -226,11 +217,17 @@ def close_chain(
         target = given.object
     q, dq, ddq = joints_on_grasps(cell, target, given.q, given.dq, given.ddq)
     check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
-    _check_regular(cell, target.time, q)
-    moved = float(np.max(np.abs(q - given.q)))
-    told = given.remarks + _correction(cell, gaps, bound, moved)
+    check_regular(cell, target.time, q)
+    remarks = given.remarks
+    if np.max(gaps) > SILENT_GAP:
+        robot, sample, _, text = _worst(gaps, bound)
+        told = (
+            f"the given joints were moved onto the grasps: the tip of '{cell.robots[robot].name}' by {text} at sample "
+            f"{sample}, the worst; no joint by more than {np.max(np.abs(q - given.q)):.3g} rad or m."
+        )
+        remarks += (Remark("chain-closed", told, sample),)
     course = given.course and replace(given.course, closed=True)
-    return unchecked_coordinated_motion(target, q, dq, ddq, None, told, course)
+    return unchecked_coordinated_motion(target, q, dq, ddq, None, remarks, course)
 
 
 def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:
@@ -266,17 +263,6 @@ def _check_accelerations(cell: Cell, given: ObjectMotion, carried: list[ObjectMo
         )
 
 
-def _correction(cell: Cell, gaps: Array, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
-    if np.max(gaps) <= SILENT_GAP:
-        return ()
-    robot, sample, _, text = _worst(gaps, bound)
-    told = (
-        f"the given joints were moved onto the grasps: the tip of '{cell.robots[robot].name}' by {text} at sample "
-        f"{sample}, the worst; no joint by more than {moved:.3g} rad or m."
-    )
-    return (Remark("chain-closed", told, sample),)
-
-
 def mean_object(carried: list[ObjectMotion]) -> ObjectMotion:
     """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
     first = carried[0].rotation
@@ -286,34 +272,3 @@ def mean_object(carried: list[ObjectMotion]) -> ObjectMotion:
     )
     rotation = rotations_from_vectors(np.mean(off, axis=0)) @ first
     return unchecked_object_motion(carried[0].time, position, rotation, twist, acceleration)
-
-
-def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
-    """Joints on the grasps near the given ones, with the rates nearest to theirs that keep them there, Shape (N, m)."""
-    rates = np.array(dq, order="C"), np.array(ddq, order="C")
-    held, gap, turn, _ = solve_grasps(cell, target, slice(None), q, TRACKING_STEPS, rates=rates)
-    gaps = np.stack([gap.T, turn.T])
-    if gaps.max() > POSE_TOLERANCE:
-        robot, sample, *_ = _worst(gaps, ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
-        amounts = gaps[:, robot, sample].tolist()
-        raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
-    return held, *rates
-
-
-def _check_regular(cell: Cell, time: Array, q: Array) -> None:
-    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
-    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
-        condition = np.linalg.cond(jacobians[:, :, joints])
-        if not np.all(condition < CONDITION_LIMIT):
-            worst = int(np.argmax(condition))
-            raise MotionError(tracking_failure(SINGULAR, robot, time, worst, condition[[worst]].tolist()).message)
-
-
-def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
-    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
-
-    The positions are on the grasps. A direction that a singular arm has lost is left as given.
-    """
-    rates = np.array(dq, order="C"), np.array(ddq, order="C")
-    solve_grasps(cell, target, slice(None), q, 0, rates=rates)
-    return rates

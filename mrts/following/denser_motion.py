@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import holds, joints_on_grasps, mean_object
+from mrts.following.coordinate import holds, mean_object
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, unchecked_coordinated_motion
+from mrts.following.tracking import joints_on_grasps
 from mrts.kernel.tracking import PATH
 from mrts.motion.object_courses import CORNER_TOLERANCE, CORNERS, ProfiledPath
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion

@@ -284,6 +284,47 @@ def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Ar
     return velocity[:, rows], acceleration[:, rows]
 
 
+def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
+    """Joints on the grasps near the given ones, with the rates nearest to theirs that keep them there, Shape (N, m).
+
+    Raises:
+        MotionError: If an arm does not reach its grasp from there; names robot and sample.
+    """
+    rates = np.array(dq, order="C"), np.array(ddq, order="C")
+    held, gap, turn, _ = solve_grasps(cell, target, slice(None), q, TRACKING_STEPS, rates=rates)
+    if not reached(gap, turn).all():
+        sample, arm = map(int, np.unravel_index(int(np.argmax(np.maximum(gap, turn))), gap.shape))
+        amounts = [float(gap[sample, arm]), float(turn[sample, arm])]
+        failure = tracking_failure(tracking.OUT_OF_REACH, cell.robots[arm], target.time, sample, amounts)
+        raise MotionError(failure.message)
+    return held, *rates
+
+
+def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
+    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
+
+    The positions are on the grasps. A direction that a singular arm has lost is left as given.
+    """
+    rates = np.array(dq, order="C"), np.array(ddq, order="C")
+    solve_grasps(cell, target, slice(None), q, 0, rates=rates)
+    return rates
+
+
+def check_regular(cell: Cell, time: Array, q: Array) -> None:
+    """Check that no arm is singular along a motion, Shape (N, m).
+
+    Raises:
+        MotionError: Names robot and sample.
+    """
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        condition = np.linalg.cond(jacobians[:, :, joints])
+        if not np.all(condition < CONDITION_LIMIT):
+            worst = int(np.argmax(condition))
+            amounts = condition[[worst]].tolist()
+            raise MotionError(tracking_failure(tracking.SINGULAR, robot, time, worst, amounts).message)
+
+
 def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVariants:
     """Follow the grasps along a motion from V positions that hold them, Shape (V, m), each branch by continuity."""
     path = {name: getattr(motion, name)[None] for name in PATH}

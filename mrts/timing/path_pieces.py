@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, row_products
 from mrts.base.errors import InputError, MrtsError
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import nearest_rates
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import between_samples, denser
+from mrts.following.tracking import nearest_rates
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.motion_rows import travel_directions

@@ -11,9 +11,9 @@ import mrts
 from mrts.base.arrays import apply
 from mrts.base.manifest import GEOMETRY
 from mrts.cli import main
-from mrts.following.coordinate import grasp_gaps, nearest_rates
+from mrts.following.coordinate import grasp_gaps
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
-from mrts.following.tracking import CONDITION_LIMIT, tip_rates
+from mrts.following.tracking import CONDITION_LIMIT, nearest_rates, tip_rates
 from mrts.kernel.tracking import closure_sizes
 
 ROUNDING = 1e-12
