@@ -2,7 +2,6 @@
 """The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -152,17 +151,17 @@ def described_motion(path: Path | str) -> MotionDescription | None:
 
 
 def _sampled(description: MotionDescription) -> ObjectMotion:
-    """Samples of a motion from pose to pose or through waypoints."""
+    """Samples of a motion from pose to pose or through waypoints, evenly spaced in time."""
     assert description.profile is not None and description.duration is not None  # noqa: S101, PT018 (no table)
     poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
     through = np.array([pose.xyz for pose in poses]), np.array([pose.rotation() for pose in poses])
     rates = waypoint_rates(*through) if description.waypoints else partial(geodesic_rates, *through)
     path = ProfiledPath(rates, PROFILES[description.profile], description.duration)
-    motion = path.evenly(description.samples or DEFAULT_SAMPLES)
+    time = np.linspace(0.0, 1.0, description.samples or DEFAULT_SAMPLES) * description.duration
     names = [f"waypoints[{index}]" for index in range(len(poses))] if description.waypoints else ["start", "end"]
     written = tuple(
         remark
         for name, pose in zip(names, poses, strict=True)
         for remark in pose.degrees_remarks(f"the motion's {name}")
     )
-    return replace(motion, remarks=(*motion.remarks, *written)) if written else motion
+    return ObjectMotion(time, *path(time), remarks=written, course=path)

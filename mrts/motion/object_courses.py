@@ -103,11 +103,6 @@ class ProfiledPath:
         s, ds, dds = self.profile(time / self.duration)
         return s, ds / self.duration, dds / self.duration**2
 
-    def evenly(self, samples: int) -> ObjectMotion:
-        """Samples that are evenly spaced in time."""
-        u = np.linspace(0.0, 1.0, samples)
-        return ObjectMotion(u * self.duration, *self.rates(self.duration, self.profile(u)), course=self)
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class PoseSplines:
@@ -133,9 +128,7 @@ def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, 
     lead, samples = positions.shape[:-2], len(s)
     first, last = rotations[..., 0, :, :], rotations[..., 1, :, :]
     step = positions[..., 1:, :] - positions[..., :1, :]
-    turn = vectors_from_rotations(last @ np.swapaxes(first, -1, -2))[
-        ..., None, :
-    ]  # world axes, constant on the geodesic
+    turn = vectors_from_rotations(last @ np.swapaxes(first, -1, -2))[..., None, :]  # constant on the geodesic
     direction = np.concatenate([step, turn], axis=-1)
     turned = rotations_from_vectors(s * turn).reshape(*lead, 3 * samples, 3)
     T = np.asarray(duration, dtype=np.float64)[..., None, None]

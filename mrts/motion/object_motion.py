@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The motion of the carried object: its samples, checked, and where it is known, its course between them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, Remark
 from mrts.base.formats.record import Shape, check_attributes
+from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import vectors_from_rotations
 
 ORTHOGONAL = 1e-6
@@ -41,7 +42,7 @@ ObjectCourse = Callable[[Array], ObjectRates]
 
 
 @dataclass(frozen=True, repr=False)
-class ObjectMotion:
+class ObjectMotion(InNotebooks):
     """N samples of the given motion of the object frame, world axes.
 
     Attributes:
@@ -64,6 +65,17 @@ class ObjectMotion:
 
     def __repr__(self) -> str:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Where it begins and ends, how fast it is."""
+        speed, turning = (np.max(np.linalg.norm(part, axis=1)) for part in np.split(self.twist, 2, axis=1))
+        yield NotebookTable(("", ""), [
+            ("duration", f"{self.time[-1]:.4g} s in {len(self.time)} samples"),
+            ("from", f"{', '.join(f'{x:.6g}' for x in self.position[0])} m"),
+            ("to", f"{', '.join(f'{x:.6g}' for x in self.position[-1])} m"),
+            ("fastest", f"{speed:.4g} m/s, {turning:.4g} rad/s"),
+            *((remark.code, remark.text) for remark in self.remarks),
+        ])  # fmt: skip
 
     def __post_init__(self) -> None:
         check_attributes(self, ObjectMotion, "motion")

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from motion_tables import QUATERNION_NAMES, write_table
 
 import mrts
 from mrts.base.errors import Remark
-from mrts.motion.object_courses import PROFILES, ProfiledPath, geodesic_rates, spline_motion
+from mrts.motion.object_courses import PROFILES, spline_motion
 from mrts.output.report_page import report_html
 
 pytestmark = pytest.mark.quick
@@ -23,9 +22,8 @@ def codes(result):
 
 
 def straight_lift(profile="quintic", duration=1.0, samples=101):
-    ends = np.array([[1.25, 1.0, 0.0], [1.25, 1.5, 0.0]])
-    rates = partial(geodesic_rates, ends, np.tile(np.eye(3), (2, 1, 1)))
-    return ProfiledPath(rates, PROFILES[profile], duration).evenly(samples)
+    ends = {"start": {"xyz": [1.25, 1.0, 0.0]}, "end": {"xyz": [1.25, 1.5, 0.0]}}
+    return mrts.load_motion({"duration": duration, "samples": samples, "profile": profile, **ends})
 
 
 def table(path, time, heights):
