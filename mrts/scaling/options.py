@@ -4,7 +4,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import NoneType
-from typing import Literal, Self
+from typing import Self
 
 from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array, check_type
@@ -20,8 +20,6 @@ from mrts.program.rate_limits import RateLimits
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import torque_weights
 
-Selection = Literal["auto", "fastest"] | float
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Options(EqualByNumbers):
@@ -30,7 +28,7 @@ class Options(EqualByNumbers):
     A saved result keeps neither `select`, as it has the c², nor `solver` and `between`.
 
     Attributes:
-        select: Which c² of the range is chosen.
+        select: Which c² is chosen; None takes the largest.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: Unknowns of the programs.
         weights: W of the quadratic program, as in `mrts.scale`.
@@ -41,7 +39,7 @@ class Options(EqualByNumbers):
         rates: Limits of rates that are kept; None where torques may change as fast as they like.
     """
 
-    select: Selection = "auto"
+    select: float | None = None
     sharing: LoadSharing | None = None
     formulation: FormulationName = "wrench"
     weights: Array | float | None = None
@@ -61,11 +59,7 @@ class Options(EqualByNumbers):
         Raises:
             InputError: If one breaks a rule, or they do not go together.
         """
-        known = (
-            self.select in {"auto", "fastest"} if isinstance(self.select, str) else isinstance(self.select, int | float)
-        )
-        if not known or isinstance(self.select, bool):
-            raise InputError("select", "must be 'auto', 'fastest' or a number.", value=self.select)
+        check_type("select", self.select, float, int, NoneType)
         check_type("sharing", self.sharing, LoadSharing, NoneType)
         check_type("distribute", self.distribute, str)
         if self.distribute not in DISTRIBUTIONS:
@@ -94,7 +88,7 @@ class Options(EqualByNumbers):
         check_type("load", self.load, str)
         if self.load == "auto":
             return "nominal" if cell.load_box is None else "guaranteed"
-        if self.load == "possible" and self.select != "auto":
+        if self.load == "possible" and self.select is not None:
             raise InputError(
                 "select",
                 "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the "

@@ -30,7 +30,7 @@ from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.scaling.constant_rates import RatedFactors, torques_within_rates
-from mrts.scaling.options import Options, Selection, limited_cell
+from mrts.scaling.options import Options, limited_cell
 from mrts.scaling.range import ScalingRange, range_at_samples
 from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.result import END_TOLERANCE, LIMIT_TOLERANCE, ScalingResult, kept_text, largest_excess
@@ -65,7 +65,7 @@ class SelectionError(MrtsError):
 def scale(
     cell: Cell,
     motion: ObjectMotion | JointTable | CoordinatedMotion,
-    select: Selection = "auto",
+    select: float | None = None,
     *,
     sharing: LoadSharing | None = None,
     formulation: FormulationName = "wrench",
@@ -85,7 +85,7 @@ def scale(
     Args:
         cell: The cell.
         motion: Motion of the object, a table of joint motion, or motion of the whole cell.
-        select: "fastest" takes c²⁺, a number takes itself; "auto" is "fastest", or 1 where nothing limits the speed.
+        select: c², 1 as the motion is given; None takes c²⁺, or 1 where nothing limits the speed.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: "wrench", or the paper's "torque".
         weights: W of the quadratic program: None weighs each torque by its limit, diag(1 / τ̂²), so that weak joints are
@@ -248,19 +248,15 @@ def choose_c2(result: ScalingResult, rows: MotionRows) -> float:
         SelectionError: If the value is not admissible, not finite, or not above 0.
     """
     found, select, rates = result.range, result.options.select, result.options.rates
-    unlimited = found.status is RangeStatus.UNBOUNDED
 
     def refused(why: str) -> SelectionError:
         return SelectionError(f"{kept_text(result.cell.reserve)}c² ∈ {found.text(digits=6)}: {why}", result)
 
-    if select == "auto" and unlimited:
-        select = 1.0
-    if isinstance(select, str):
-        if unlimited:
-            raise refused("no limit depends on the speed. Choose a value.")
+    if select is None and found.status is not RangeStatus.UNBOUNDED:
         if found.upper.c2 <= 0:
             raise refused(f"the cell can only hold still. The upper end is set {found.upper.place()}.")
         return found.upper.c2
+    select = 1.0 if select is None else select
     c2 = float(select) if is_number(select) else np.inf
     if not 0 < c2 < np.inf:
         raise refused(f"{c2:g} is no c² of a speed: it must be finite and > 0.")

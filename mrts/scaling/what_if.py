@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What small changes to a cell would do to the speed of a motion, each found by solving again."""
 
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from math import degrees, inf
@@ -163,17 +162,13 @@ class WhatIf(InNotebooks):
             yield NotebookTable(("change", "effect", "duration", "then limited by"), [one.row for one in shown])
 
     def _others(self) -> str:
-        """How many changes matter less than those of the table, and what does nothing, counted by kind."""
+        """How many changes matter less than those of the table, and how many do nothing."""
         matter = sum(one.matters for one in self.changes)
         left = matter - sum(len(table.rows) for table in self.notebook_tables())
-        kind_of = {one.change.what: one.change.kind for one in self.changes}
-        kinds = Counter(kind_of[what] for what in self.without_effect)
         told = [f"{left} more changes matter less (--json has all)"] if left else []
-        if kinds:
-            counted = ", ".join(f"{kind} {count}" for kind, count in kinds.items())
+        if count := len(self.without_effect):
             stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
-            nothing = f"nothing {'else ' if matter else ''}matters ({counted})"
-            told.append(f"{nothing}: each may be changed as much, one at a time, and {stays}")
+            told.append(f"each of {count} others may be changed as much, one at a time, and {stays}")
         return "; ".join(told)
 
     def to_json(self) -> dict[str, Any]:

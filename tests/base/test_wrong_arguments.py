@@ -88,7 +88,7 @@ def good(planar_cell):
         "read_study_folder": {"path": "swept"},
         "retime": search | plan | smooth,
         "save_result": {"result": result, "path": "saved.npz"},
-        "scale": search | with_solver | plan | {"select": "auto", "formulation": "wrench", "rates": False},
+        "scale": search | with_solver | plan | {"select": None, "formulation": "wrench", "rates": False},
         "sweep": {"study": study, "folder": "swept", "workers": 1, "scheduler": None}
         | {"progress": lambda _done, _total: None},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,

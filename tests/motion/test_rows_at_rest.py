@@ -59,7 +59,7 @@ def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell
     for file in files:
         table = mrts.load_motion(file)
         assert coordinate(planar_cell, table).samples == samples
-        again = mrts.scale(planar_cell, table, "fastest", between=None)
+        again = mrts.scale(planar_cell, table, between=None)
         assert again.trajectory.duration == pytest.approx(found.duration, rel=1e-6)
         assert again.range.upper.c2 == pytest.approx(1, rel=1e-6)
         np.testing.assert_allclose(again.trajectory.torque, found.retimed.trajectory.torque, atol=1e-3)

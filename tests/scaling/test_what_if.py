@@ -113,7 +113,7 @@ def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(li
     assert durations == sorted(durations)
     assert found.without_effect == ("left/wrist", "right/wrist")
     question, _head, *table, last = str(found).splitlines()
-    assert last.startswith("14 more changes matter less (--json has all); nothing else matters (torque 2): each may be")
+    assert last.startswith("14 more changes matter less (--json has all); each of 2 others may be")
     assert question.endswith("now 0.2992 s at c² = 3.062")
     assert " ".join(table[0].split()) == "mass -10 % time -0.804 % 0.2968 s left/elbow, right/elbow, left/fx and 3 more"
     effects = [float(row.partition(" time ")[2].partition(" %")[0]) for row in table]
