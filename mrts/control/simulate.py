@@ -21,9 +21,8 @@ from mrts.control.plan_nodes import resting_trajectory, trajectory_of
 from mrts.control.speed_override import SpeedOverride, commanded, wanted_at_ticks
 from mrts.limits.rows import RowName
 from mrts.program.rate_limits import Rates
-from mrts.scaling.limit_use import LimitUse
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory
 from mrts.timing.result import RetimingResult
 
 STEP, FINEST = 1e-5, 1e-6

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from mrts.base.words import aligned
 from mrts.limits.rows import RowName
-from mrts.scaling.limit_use import LimitUse
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import AT_END, Result, ScalingResult
+from mrts.scaling.scaled_trajectory import LimitUse
 
 if TYPE_CHECKING:
     from mrts.scaling.range import LoadStudy

@@ -14,8 +14,7 @@ from mrts.following.denser_motion import moved_remarks
 from mrts.limits.rows import RATES
 from mrts.motion.object_courses import ProfiledPath
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.scaling.limit_use import LimitUse, by_share
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory, by_share
 
 ENDS_AT_REST = 0.05
 """Share of a motion's largest speed up to which its ends count as at rest: splines through tables leave that much."""

@@ -22,11 +22,10 @@ from mrts.program.between_samples import Excess
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
-from mrts.scaling.limit_use import LimitUse, by_share, limits_table
 from mrts.scaling.options import Options
 from mrts.scaling.range import LoadStudy, ScalingRange, range_at_samples
 from mrts.scaling.remarks import plan_remarks
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory, by_share, limits_table
 from mrts.scaling.what_if import SpeedQuestion, WhatIf, what_if
 
 AT_END = 1e-6

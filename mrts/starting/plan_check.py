@@ -27,9 +27,8 @@ from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.reserve import reserved, without_unmoved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import torque_weights, torques_by_blocks
-from mrts.scaling.limit_use import LimitedQuantities, LimitUse, by_share, limits_table
 from mrts.scaling.remarks import overload_remarks
-from mrts.scaling.scaled_trajectory import ScaledTrajectory, least_wrenches
+from mrts.scaling.scaled_trajectory import LimitedQuantities, LimitUse, ScaledTrajectory, by_share, limits_table
 
 PLACES = np.array([0.25, 0.5, 0.75])
 """Where between two rows limits are evaluated, as shares of the step."""
@@ -268,7 +267,7 @@ def _given_torques(
     before, after = travel_directions(motion)[:, rows]
     coulomb = cell.stacked("motors.coulomb")
     residual = np.maximum(residual - coulomb * (1 - np.abs(before + after) / 2), 0.0)  # a joint at rest may take it
-    wrench = wrench + least_wrenches(terms["B"], short)
+    wrench = wrench + played.least_wrenches(short)
     torque = replace(played, wrench=wrench).inverse_dynamics
     torque[rows], wrench[rows] = tau, F
     names = joint_rows(cell, "torque residual", "torque_units")

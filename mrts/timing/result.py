@@ -23,11 +23,11 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
-from mrts.scaling.limit_use import LimitUse
 from mrts.scaling.options import Options
 from mrts.scaling.remarks import motion_remarks
 from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
+from mrts.scaling.scaled_trajectory import LimitUse
 from mrts.scaling.what_if import SpeedQuestion, WhatIf
 from mrts.timing.path_pieces import PathPiece
 from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, at_segment_ends, new_times

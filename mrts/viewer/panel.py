@@ -10,7 +10,7 @@ from mrts.base.errors import MrtsError, Remark, html_text
 from mrts.control.simulate import Simulation
 from mrts.following.clearance import Clearance
 from mrts.plots.card import Card
-from mrts.scaling.limit_use import Nearness
+from mrts.scaling.scaled_trajectory import Nearness
 from mrts.scene.scene import FORCE, MOMENT
 from mrts.viewer.player_state import HeldPoses, PlayerState
 

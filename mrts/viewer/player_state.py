@@ -27,12 +27,11 @@ from mrts.program.rate_limits import Rates
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import motion_torques, torque_weights, torques_by_blocks
-from mrts.scaling.limit_use import LimitUse, by_share
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, admitted_factor, scale
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory, by_share
 from mrts.scene.scene import Scene
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.scaling.limit_use import LimitUse
+from mrts.scaling.scaled_trajectory import LimitUse
 from mrts.scene.arm_meshes import Warn, drawn_arms, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
 from mrts.scene.held_body import held_body, outlines, shape_surface
