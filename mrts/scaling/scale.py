@@ -27,7 +27,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
-from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.scaling.constant_rates import RatedFactors, torques_within_rates
 from mrts.scaling.options import Options, limited_cell
@@ -282,7 +282,7 @@ def _passed(result: ScalingResult, c2: float) -> str:
     return f". The {side} end is set {end.place()}."
 
 
-def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:
+def torques_for_load(result: ScalingResult, load: Array) -> ScalingResult:
     """Eqs. (47), (48), (49): the quadratic program with a known load k, at the c² of a result.
 
     At a c² of the guaranteed range every load of the box has such torques; motion and duration stay as they are. Limits
@@ -291,10 +291,9 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
     Args:
         result: A result with a trajectory.
         load: Load vector, Shape (10,), as from `LoadBox.load_at` or of `LoadBox.draw`.
-        solver: As in `scale`; the distribution follows the result's own rule.
 
     Returns:
-        The same result with the torques of this load.
+        The same result with the torques of this load, distributed as the result's own.
 
     Raises:
         InputError: If the result has no trajectory or an argument breaks a rule.
@@ -302,18 +301,17 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         SolverError: If no solver answers.
     """
     check_type("result", result, ScalingResult)
-    check_solver(solver)
     if result.trajectory is None or result.c2 is None:
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
-    cell, motion, c2 = result.cell.with_load(load), result.motion, result.c2
-    options = replace(result.options, solver=solver)
-    own, rows = chosen_factor(cell, motion, replace(options, select=c2, load="nominal", between=None, rates=None))
+    cell, options, c2 = result.cell.with_load(load), result.options, result.c2
+    of_load = replace(options, select=c2, load="nominal", between=None, rates=None)
+    own, rows = chosen_factor(cell, result.motion, of_load)
     if own.c2 is None:
         raise SelectionError(own.sentence(), own)
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
-    excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None
+    excess = result.excess if options.load == "guaranteed" else None
     try:
-        return with_torques(replace(result, cell=cell, options=options, excess=excess), rows=rows)
+        return with_torques(replace(result, cell=cell, excess=excess), rows=rows)
     except SolverError as error:
         if options.rates is None:
             raise
@@ -375,7 +373,7 @@ def range_question(result: ScalingResult) -> SpeedQuestion:
         why = "is of a motion that was retimed: ask what mrts.retime found, or scale the motion as it was given."
         raise InputError("result", why)
     cell, study = result.cell, result.load
-    options = replace(result.options, load="nominal" if study is None else study.question, between=None)
+    options = replace(result.options, between=None)
     if options.load == "possible":
         why = "is of what is possible with some load, which no change is asked of: ask for the guaranteed range."
         raise InputError("result", why, value=options.load)

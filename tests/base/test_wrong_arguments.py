@@ -91,7 +91,7 @@ def good(planar_cell):
         "scale": search | with_solver | plan | {"select": None, "formulation": "wrench", "rates": False},
         "sweep": {"study": study, "folder": "swept", "workers": 1, "scheduler": None}
         | {"progress": lambda _done, _total: None},
-        "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
+        "torques_for_load": {"result": result, "load": planar_cell.load},
         "write_report": {"result": result, "path": "report.html", "stops": None},
         "write_plot": {"plot": range_plot(result), "path": "figure.png"},
         "write_plots": {"plots": [range_plot(result)], "folder": "figures", "form": "png"},
