@@ -46,10 +46,9 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
         rows = slice(start, start + len(contact.rows)), cell.wrench_slices[robot.name]
         if contact.frame == "base":
             in_base[rows] = contact.A
-        elif contact.frame == "object":
-            in_object[rows] = contact.A
         else:
-            in_object[rows] = in_object_axes(contact.A, robot.T_object_tip.R, cell.wrench_components)
+            turn = np.eye(3) if contact.frame == "object" else robot.T_object_tip.R
+            in_object[rows] = in_object_axes(contact.A, turn, cell.wrench_components)
         start += len(contact.rows)
     lower, upper = (np.concatenate([getattr(contact, side) for _, contact in contacts]) for side in ("lower", "upper"))
     turns = {"object_matrix": in_object, "object_axes": object_axes(cell, motion)} if np.any(in_object) else {}

@@ -346,11 +346,7 @@ class ScalingResult(Result):
 
     def played_json(self, done: ScaledTrajectory) -> dict[str, Any]:
         """Entries of the JSON result of a trajectory of this cell."""
-        rates = [
-            use.name.to_json() | {"limit": use.upper, "largest": use.size, "share": use.share, "time": use.time}
-            for use in self.rate_uses
-        ]
-        return done.to_json() | {"rates": rates}
+        return done.to_json() | {"rates": [use.to_json() for use in self.rate_uses]}
 
 
 def kept_text(reserve: float) -> str:

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, without_infinity
 from mrts.base.formats.record import dumped
 from mrts.base.notebook import NotebookTable
 from mrts.base.words import interval_text
@@ -83,6 +83,12 @@ class LimitUse:
     def percent(self) -> str:
         """The share that is used, in words."""
         return f"{round(100 * self.share, 1):g} %"
+
+    def to_json(self) -> dict[str, Any]:
+        """An entry of limits in JSON; null stands for a side without one."""
+        lower, upper = without_infinity(np.array([self.lower, self.upper]))
+        most = {"share": self.share, "time": self.time, "least": self.least, "largest": self.largest}
+        return self.name.to_json() | most | {"lower": lower, "upper": upper}
 
     @property
     def nearness(self) -> Nearness:

@@ -133,12 +133,7 @@ class PlanCheck(JsonOutput):
             "cell": self.cell,
             "given": list(self.given),
             "interpolation": self.interpolation,
-            "limits": [
-                use.name.to_json()
-                | {"share": use.share, "time": use.time, "row": self.place(use), "least": use.least}
-                | {"largest": use.largest, "lower": _finite(use.lower), "upper": _finite(use.upper)}
-                for use in self.uses
-            ],
+            "limits": [use.to_json() | {"row": self.place(use)} for use in self.uses],
             "contradictions": list(self.contradictions),
             "clearance": self.clearance and self.clearance.to_json(),
             "remarks": [remark.to_json() for remark in self.remarks],
@@ -342,7 +337,3 @@ def _pushing(dq: Array, ddq: Array) -> tuple[Remark, ...]:
         "that holds still."
     )
     return (Remark("pushes-at-ends", text),)
-
-
-def _finite(limit: float) -> float | None:
-    return limit if np.isfinite(limit) else None
