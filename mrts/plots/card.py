@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 from mrts.base.words import aligned
 from mrts.limits.rows import RowName
-from mrts.scaling.range import RangeEnd
+from mrts.scaling.range import LoadStudy, RangeEnd
 from mrts.scaling.result import AT_END, Result, ScalingResult
 from mrts.scaling.scaled_trajectory import LimitUse
 
 if TYPE_CHECKING:
-    from mrts.scaling.range import LoadStudy
     from mrts.timing.result import RetimingResult
 
 MOST_BARS = 5
@@ -99,8 +98,7 @@ def _nearest(result: ScalingResult, setting: Sequence[RowName]) -> tuple[LimitUs
 
 def answer_lines(result: "ScalingResult | RetimingResult", card: Card | None) -> Iterator[str]:
     """What the command line says of a result, with the nearest limits of its card as bars; without one, all."""
-    yield f"{result.cell.name}: {result.sentence()}"
-    yield from map(str, result.warnings)
+    yield from result.notebook_words()
     yield from _plan_lines(result, card) if isinstance(result, ScalingResult) else _timing_lines(result, card)
     if result.changes is not None:
         yield ""
@@ -141,7 +139,7 @@ def _limit_lines(result: Result, card: Card | None) -> Iterator[str]:
     yield from card.lines() if card is not None else aligned([table.head, *table.rows])
 
 
-def _load_lines(study: "LoadStudy") -> Iterator[str]:
+def _load_lines(study: LoadStudy) -> Iterator[str]:
     table = study.table()
     yield from (f"  {line}" for line in aligned([table.head, *table.rows[:LOADS_SHOWN]]) if table.rows)
     if len(study.ranges) > LOADS_SHOWN:

@@ -215,8 +215,6 @@ def overload_remarks(done: ScaledTrajectory) -> tuple[Remark, ...]:
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    if not any(np.any(np.isfinite(robot.motors.rated)) for robot in done.cell.robots):
-        return ()
     used = np.concatenate([duty.rated_share for duty in done.duty.values()]).tolist()
     shares = {joint: share for joint, share in zip(done.cell.joint_names, used, strict=True) if share > 1}
     if not shares:

@@ -291,11 +291,6 @@ class ScalingResult(Result):
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
 
-    def explanation(self) -> str:
-        """Why no c² is admissible; empty if some is."""
-        why = self.range.explain()
-        return why and f"{kept_text(self.cell.reserve)}{why}"
-
     def _outcome(self) -> str:
         found = self.range
         if not found.status.admits_motion:
@@ -326,7 +321,7 @@ class ScalingResult(Result):
         samples = self.range.samples
         output: dict[str, Any] = {
             **self.said_json(),
-            "explanation": self.explanation() or None,
+            "explanation": self.range.explain() or None,
             "kept_rates": self.options.rates and self.options.rates.to_json(),
             **self.range.to_json(),
             "samples": samples.to_json(),

@@ -135,7 +135,7 @@ def _c2(result: ScalingResult, least: float) -> float:
     """The largest c², which must be more than the least."""
     end = result.range.upper
     if result.trajectory is None or not end.c2 > least:
-        raise MotionError(result.explanation() or result.sentence())
+        raise MotionError(result.sentence())
     return end.c2
 
 

@@ -399,7 +399,7 @@ class LayoutSearch:
                 raise MotionError(f"{rule}move both.".format(*min(parted)))
             result = scale(cell, self.motion, load=self.study.question.load, between=between)
             if result.trajectory is None:
-                raise MotionError(f"{result.status.value}: {result.explanation()}")
+                raise MotionError(result.sentence())
         except MrtsError as error:
             self.failures.append(str(error))
             return None
