@@ -2,15 +2,16 @@
 """From a cell file to C source and manifest: the one entry of build time."""
 
 import hashlib
+from collections.abc import Iterable
 from pathlib import Path
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel, cell_manifest, read_cell_model
-from mrts_codegen.function_registry import build_functions
+from mrts_codegen.function_registry import BUILDERS, build_functions
 from mrts_codegen.model_c import DOUBLE, function_record, model_c
 
 from mrts.base.atomic_file import check_own, is_marked, text_writer, write_together
-from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, OF_MOTION, ChainsRecord
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord
 from mrts.cell.record import NOTICE, CellManifest
 
 
@@ -21,11 +22,20 @@ def generate_cell(path: Path) -> tuple[CellManifest, str, dict[str, ca.Function]
     return cell_manifest(cell, chains), c_source, functions
 
 
-def generate_chains(cell: CellModel, stem: str) -> tuple[ChainsRecord, str, dict[str, ca.Function]]:
-    """The functions of a cell: what they are, the content of their C file, and they as CasADi has them."""
-    functions = build_functions(cell, stem)
-    c_source = emit_c(functions)
-    return _chains(cell, stem, functions, c_source), c_source, functions
+def generate_chains(
+    cell: CellModel, stem: str, names: Iterable[str] = BUILDERS
+) -> tuple[ChainsRecord, str, dict[str, ca.Function]]:
+    """Functions of a cell: what they are, the content of their C file, and they as CasADi has them."""
+    functions = build_functions(cell, stem, names=names)
+    c_source = f"/* {NOTICE} */\n{DOUBLE}\n{model_c({one.name(): one for one in functions.values()})}"
+    record = ChainsRecord(
+        chains=cell.chains_key(stem),
+        casadi_version=ca.CasadiMeta.version(),
+        source=f"{stem}.c",
+        source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),
+        functions={name: function_record(function.name(), function) for name, function in functions.items()},
+    )
+    return record, c_source, functions
 
 
 def write_generated(folder: Path, record: ChainsRecord, c_source: str, *, private: bool = False) -> None:
@@ -39,24 +49,3 @@ def write_generated(folder: Path, record: ChainsRecord, c_source: str, *, privat
     for target, mark in zip(texts, (NOTICE, '"chains"'), strict=True):
         check_own(folder / target, own=private or is_marked(folder / target, mark))
     write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=private)
-
-
-def motion_functions(cell: CellModel, stem: str) -> tuple[CellManifest, dict[str, ca.Function]]:
-    """The functions of a cell that the motion of its joints takes, and its manifest: nothing is emitted."""
-    functions = build_functions(cell, stem, names=OF_MOTION)
-    return cell_manifest(cell, _chains(cell, stem, functions, "")), functions
-
-
-def _chains(cell: CellModel, stem: str, functions: dict[str, ca.Function], c_source: str) -> ChainsRecord:
-    return ChainsRecord(
-        chains=cell.chains_key(stem),
-        casadi_version=ca.CasadiMeta.version(),
-        source=f"{stem}.c",
-        source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),
-        functions={name: function_record(function.name(), function) for name, function in functions.items()},
-    )
-
-
-def emit_c(functions: dict[str, ca.Function]) -> str:
-    """The C text of functions by short name, for doubles."""
-    return f"/* {NOTICE} */\n{DOUBLE}\n{model_c({one.name(): one for one in functions.values()})}"

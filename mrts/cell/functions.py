@@ -10,7 +10,6 @@ from typing import Any, Self
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.manifest import GEOMETRY, MANIFEST_NAME
-from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.c_text import (
     CELL_FILES,
@@ -35,14 +34,14 @@ class CellFunctions:
 
     Args:
         manifest: What they are.
-        origin: The generated C; of functions of the motion alone those of CasADi, of a saved result its path.
+        origin: The generated C; of a saved result its path.
 
     Attributes:
         bind: Gives the library, which may be compiled then, or raises why there is none; cells of other numbers share
             it.
     """
 
-    def __init__(self, manifest: CellManifest, origin: str | dict[str, Any] | Path) -> None:
+    def __init__(self, manifest: CellManifest, origin: str | Path) -> None:
         self.manifest, self.origin = manifest, origin
         self.bind = cache(partial(_bound, manifest, origin))
         self._geometry: Array | None = None
@@ -66,7 +65,7 @@ class CellFunctions:
     @property
     def compiled(self) -> CellLibrary | None:
         """The cell's library; None where a motion is only followed, before anything is compiled."""
-        return self.library if isinstance(self.origin, str) else None
+        return self.library if isinstance(self.origin, str) and "terms" in self.manifest.functions else None
 
     @cached_property
     def library(self) -> CellLibrary:
@@ -96,10 +95,7 @@ def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
     return functions
 
 
-def _bound(manifest: CellManifest, origin: str | dict[str, Any] | Path) -> CellLibrary:
-    if isinstance(origin, dict):  # a library of following alone is compiled in a tenth of the time
-        text = motion_source(manifest, emitted(origin))
-        return CellLibrary(manifest, compiled_library("motion", text, TRACKING_FILES))
+def _bound(manifest: CellManifest, origin: str | Path) -> CellLibrary:
     if isinstance(origin, Path):
         raise InputError(
             origin,
@@ -107,6 +103,8 @@ def _bound(manifest: CellManifest, origin: str | dict[str, Any] | Path) -> CellL
             "read it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
             key="functions",
         )
+    if "terms" not in manifest.functions:  # a library of following alone is compiled in a tenth of the time
+        return CellLibrary(manifest, compiled_library("motion", motion_source(manifest, origin), TRACKING_FILES))
 
     @cache
     def seldom(name: str) -> CDLL:
@@ -131,6 +129,6 @@ def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) ->
     return library
 
 
-def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> CellFunctions:
+def _bound_again(manifest_text: str, origin: str | Path) -> CellFunctions:
     """The functions of a pickle, compiled when they are used: what raises while a worker unpickles its task ends it."""
     return CellFunctions(verified_manifest("pickled cell", manifest_text), origin)

@@ -19,7 +19,7 @@ from mrts.base.errors import NEAREST_INERTIA, InputError
 from mrts.base.formats.record import read_json
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import FileReference, plain
-from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, OF_MOTION, ChainsRecord, check_source
 from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
@@ -183,13 +183,6 @@ def export_to(path: Path, folder: Path, *, name: str | None = None, **asked: Any
     return sorted(texts)
 
 
-def emitted(functions: dict[str, Any]) -> str:
-    """The C text of CasADi's functions by short name."""
-    from mrts_codegen.generate import emit_c  # noqa: PLC0415 (build time, on demand)
-
-    return emit_c(functions)
-
-
 def cell_model(path: Path) -> Any:
     """A cell with its URDFs."""
     from mrts_codegen.cell_model import read_cell_model  # noqa: PLC0415 (build time, on demand)
@@ -197,11 +190,13 @@ def cell_model(path: Path) -> Any:
     return read_cell_model(path)
 
 
-def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
-    """CasADi's functions of the motion of a cell's joints, and the manifest: nothing is compiled."""
-    from mrts_codegen.generate import motion_functions  # noqa: PLC0415 (build time, on demand)
+def motion_functions_of(cell: Any) -> tuple[CellManifest, str]:
+    """The manifest of a cell and the C of its functions that the motion of its joints takes."""
+    from mrts_codegen.cell_model import cell_manifest  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.generate import generate_chains  # noqa: PLC0415
 
-    return motion_functions(cell, CACHED_STEM)
+    chains, c_source, _ = generate_chains(cell, CACHED_STEM, OF_MOTION)
+    return cell_manifest(cell, chains), c_source
 
 
 def read_to_generate(path: Path) -> Any | None:

@@ -11,6 +11,8 @@ from mrts.cell.functions import CellFunctions
 class CasadiFunctions(CellFunctions):
     """What CasADi gives at all samples; following takes a compiled library."""
 
+    compiled = None
+
     def __call__(self, name, samples, inputs):
         record, arguments = self.manifest.functions[name], []
         given = {"geometry": self._geometry} | inputs
