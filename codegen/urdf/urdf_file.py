@@ -8,14 +8,13 @@ default. Libraries that read URDFs import all that draws them first: 1 s of each
 from collections import Counter
 from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
-from math import inf, nan
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from lxml import etree
 
-from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.urdf import NO_LIMIT, Link, Mimic, Urdf, UrdfJoint
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER, text_of
@@ -37,12 +36,11 @@ INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 def parse_urdf(path: Path, content: bytes) -> Urdf:
     """Parse a URDF."""
-    links, joints = _parsed(path, text_of(path, "URDF", content))
-    return Urdf(_root_of_tree(path, links, joints), links, {joint.child: joint for joint in joints})
+    return _parsed(path, text_of(path, "URDF", content))
 
 
 @lru_cache(maxsize=FILES_KEPT)
-def _parsed(path: Path, text: str) -> tuple[dict[str, Link], list[UrdfJoint]]:
+def _parsed(path: Path, text: str) -> Urdf:
     root = _parse(path, text)
     if root.tag != "robot":
         raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
@@ -57,7 +55,7 @@ def _parsed(path: Path, text: str) -> tuple[dict[str, Link], list[UrdfJoint]]:
         with mistakes.noted():
             joints.append(_joint(path, joint))
     mistakes.raise_noted()
-    return links, joints
+    return Urdf(_root_of_tree(path, links, joints), links, {joint.child: joint for joint in joints})
 
 
 def _root_of_tree(path: Path, links: dict[str, Link], joints: list[UrdfJoint]) -> str:
@@ -107,16 +105,14 @@ def _link(path: Path, link: Any) -> Link:
     inertial = _only(path, where, link, "inertial")
     if inertial is None:
         return Link(name, 0.0, np.zeros((3, 3)), RigidTransform.identity())
-    mass, inertia = (_only(path, where, inertial, tag) for tag in ("mass", "inertia"))
-    if mass is None or mass.get("value") is None:
+    parts = _parts(path, where, inertial, ("origin", "mass", "inertia"))
+    if "value" not in parts.get("mass", {}):
         raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
-    if inertia is None or any(inertia.get(key) is None for key in INERTIA_KEYS):
+    if not parts.get("inertia", {}).keys() >= {*INERTIA_KEYS}:
         raise InputError(path, f"its <inertial> needs <inertia> with {', '.join(INERTIA_KEYS)}.", key=where)
-    for child in inertial:
-        _check_numbers(path, where, child)
-    xx, xy, xz, yy, yz, zz = (float(inertia.get(key)) for key in INERTIA_KEYS)
+    xx, xy, xz, yy, yz, zz = (parts["inertia"][key] for key in INERTIA_KEYS)
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Link(name, float(mass.get("value")), matrix, _origin(inertial))
+    return Link(name, parts["mass"]["value"], matrix, _origin(parts))
 
 
 def _joint(path: Path, joint: Any) -> UrdfJoint:
@@ -125,35 +121,30 @@ def _joint(path: Path, joint: Any) -> UrdfJoint:
     kind = _attribute(path, joint, "type", where)
     if kind not in JOINT_TYPES:
         raise InputError(path, f"must be one of {', '.join(JOINT_TYPES)}.", key=f"{where} type", value=kind)
-    parts = {}
-    for tag in _JOINT_CHILDREN:
-        parts[tag] = child = _only(path, where, joint, tag)
-        if child is not None:
-            _check_numbers(path, where, child)
-        elif tag in {"parent", "child"}:
-            raise InputError(path, f"a <{tag} link=…> element is needed.", key=where)
-    parent, below = (_attribute(path, parts[tag], "link", where) for tag in ("parent", "child"))
+    parts = _parts(path, where, joint, _JOINT_CHILDREN)
+    for tag, attribute in (("parent", "link"), ("child", "link"), *(("mimic", "joint"),) * ("mimic" in parts)):
+        if not parts.get(tag, {}).get(attribute):
+            raise InputError(path, f"a <{tag} {attribute}=…> element is needed.", key=where)
 
     def number(tag: str, key: str, default: float = 0.0) -> float:
-        return default if parts[tag] is None else float(parts[tag].get(key, default))
+        return float(parts.get(tag, {}).get(key, default))
 
     def limit(key: str, none: float) -> float:
         given = number("limit", key, none)
         return none if abs(given) >= NO_LIMIT else given
 
     mimic = None
-    if parts["mimic"] is not None:
-        leader = _attribute(path, parts["mimic"], "joint", f"{where}, <mimic>")
-        mimic = Mimic(leader, number("mimic", "multiplier", 1.0), number("mimic", "offset"))
-    axis = _vector(None if parts["axis"] is None else parts["axis"].get("xyz"), (1.0, 0.0, 0.0))
+    if "mimic" in parts:
+        mimic = Mimic(parts["mimic"]["joint"], number("mimic", "multiplier", 1.0), number("mimic", "offset"))
+    axis = parts.get("axis", {}).get("xyz", np.array([1.0, 0.0, 0.0]))
     length = float(np.sqrt(sum(axis * axis)))
     endless = kind == "continuous"
     return UrdfJoint(
         name=name,
         type=kind,
-        parent=parent,
-        child=below,
-        origin=_origin(joint),
+        parent=parts["parent"]["link"],
+        child=parts["child"]["link"],
+        origin=_origin(parts),
         axis=axis / length if 0 < length < inf else np.zeros(3),
         lower=-inf if endless else limit("lower", -inf),
         upper=inf if endless else limit("upper", inf),
@@ -165,16 +156,9 @@ def _joint(path: Path, joint: Any) -> UrdfJoint:
     )
 
 
-def _origin(element: Any) -> RigidTransform:
-    origin = element.find("origin")
-    if origin is None:
-        return RigidTransform.identity()
-    p, rpy = (_vector(origin.get(key), (0.0, 0.0, 0.0)) for key in ("xyz", "rpy"))
+def _origin(parts: dict[str, dict[str, Any]]) -> RigidTransform:
+    p, rpy = (parts.get("origin", {}).get(key, np.zeros(3)) for key in ("xyz", "rpy"))
     return RigidTransform(snap_rotation(rotation_from_rpy(*rpy.tolist())), p)
-
-
-def _vector(text: str | None, default: tuple[float, ...]) -> Array:
-    return np.array(default if text is None else [float(word) for word in text.split()])
 
 
 def _check_names_differ(path: Path, root: Any) -> None:
@@ -204,24 +188,30 @@ def _attribute(path: Path, element: Any, attribute: str, where: str) -> str:
 _NAMES = {"link", "joint", "name", "type"}
 
 
-def _check_numbers(path: Path, where: str, element: Any) -> None:
-    if not isinstance(element.tag, str):  # a comment
-        return
+def _parts(path: Path, where: str, element: Any, tags: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+    """Attributes of the children with these tags that there are, one of each; numbers are floats, three are arrays."""
+    found = {tag: _only(path, where, element, tag) for tag in tags}
+    return {tag: _attributes(path, f"{where}, <{tag}>", child) for tag, child in found.items() if child is not None}
+
+
+def _attributes(path: Path, where: str, element: Any) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    # a limit may be any number: what is too large for a limit means that there is none
+    largest = inf if element.tag == "limit" else LARGEST_NUMBER
     for attribute, text in element.attrib.items():
         if attribute in _NAMES:
+            values[attribute] = text
             continue
-        words = text.split()
         count = 3 if attribute in {"xyz", "rpy"} else 1
-        # a limit may be any number: what is too large for a limit means that there is none
-        largest = inf if element.tag == "limit" else LARGEST_NUMBER
         try:
-            sizes = [abs(float(word)) for word in words]
+            numbers = [float(word) for word in text.split()]
         except ValueError:
-            sizes = [nan]
-        if element.tag in {"limit", "mass"} and any(0 < size < SMALLEST_NUMBER for size in sizes):
+            numbers = []
+        if element.tag in {"limit", "mass"} and any(0 < abs(number) < SMALLEST_NUMBER for number in numbers):
             rule = f"must be 0, or at least {SMALLEST_NUMBER:g} in size."
-            raise InputError(path, rule, key=f"{where}, <{element.tag}> {attribute}", value=text)
-        finite = "_" not in text and all(size <= largest for size in sizes)
-        if not finite or len(words) != count:
+            raise InputError(path, rule, key=f"{where} {attribute}", value=text)
+        if "_" in text or len(numbers) != count or not all(abs(number) <= largest for number in numbers):
             wanted = "a finite number" if count == 1 else f"{count} finite numbers with spaces between them"
-            raise InputError(path, f"must be {wanted}.", key=f"{where}, <{element.tag}> {attribute}", value=text)
+            raise InputError(path, f"must be {wanted}.", key=f"{where} {attribute}", value=text)
+        values[attribute] = numbers[0] if count == 1 else np.array(numbers)
+    return values

@@ -189,19 +189,16 @@ static void mrts_reduced(int joints, const double *hessian, const double *Q, dou
     }
 }
 
-/* Whether all eigenvalues of the symmetric part of a matrix, which is overwritten, are larger than `least`: then all
- * pivots of its difference are positive. */
+/* Whether all eigenvalues of the symmetric part of a matrix, which is overwritten, are larger than `least`: then its
+ * difference has a Cholesky factor. */
 static int mrts_larger_than(int size, double *matrix, double least) {
     for (int i = 0; i < size; ++i) {
         for (int j = 0; j <= i; ++j) matrix[i * size + j] = (matrix[i * size + j] + matrix[j * size + i]) / 2;
         matrix[i * size + i] -= least;
     }
+    mrts_cholesky(size, matrix, matrix);
     for (int j = 0; j < size; ++j) {
-        if (!(matrix[j * size + j] > 0)) return 0;
-        for (int i = size - 1; i > j; --i) {
-            const double factor = matrix[i * size + j] / matrix[j * size + j];
-            for (int l = j + 1; l <= i; ++l) matrix[i * size + l] -= factor * matrix[l * size + j];
-        }
+        if (!(matrix[j * size + j] < MRTS_INFINITY)) return 0;
     }
     return 1;
 }
