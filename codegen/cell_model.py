@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 from mrts_codegen.joint_limits import add_joint_limits
-from mrts_codegen.object_shape import build_shape, build_surroundings, check_contact_normals
+from mrts_codegen.object_shape import build_object, build_surroundings, check_contact_normals
 from mrts_codegen.urdf.held_joints import check_machines, held_positions
 from mrts_codegen.urdf.robot_model import BuiltRobot, Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
-from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes, Remark, did_you_mean
 from mrts.base.formats.urdf import NO_LIMIT, Urdf
 from mrts.base.input_file import FileReference, read_data
@@ -26,13 +25,11 @@ from mrts.cell.cell_file import (
     OF_ARM,
     OF_FRICTION,
     CellDescription,
-    ObjectDescription,
     RobotDescription,
-    inertia_problem,
     robot_values,
 )
 from mrts.cell.points import RATES, ArmPointLimit, point_names, rate_limits
-from mrts.cell.record import NOTICE, CellManifest, CellRecord, MeshSurface
+from mrts.cell.record import NOTICE, CellManifest, CellRecord
 from mrts.cell.robot import Robot, RobotSource, check_plane_kept
 
 PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
@@ -62,14 +59,8 @@ class CellModel:
         """Hash of what functions are generated of: the chains, not the numbers of a cell file."""
         parts: list[object] = [stem, self.record.plane]
         for model in self.models:
-            for joint in model.joints:
-                by_held = (joint.placed_by_held, joint.laden_by_held)
-                parts += [joint.kind, joint.axis.tolist(), *by_held, joint.body.mass]
-                if not joint.placed_by_held:
-                    parts.append(joint.placement.numbers.tolist())
-                if not joint.laden_by_held:
-                    parts += [joint.body.com.tolist(), joint.body.at_com.tolist()]
-            parts += [model.tip_by_held, [] if model.tip_by_held else model.tip.numbers.tolist()]
+            parts += [(joint.kind, joint.axis.tolist(), joint.body.mass) for joint in model.joints]
+            parts += [None if by_held else numbers.tolist() for numbers, by_held in model.numbers()]
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
     def arms_alone(self) -> "tuple[CellModel, ...]":
@@ -129,7 +120,7 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
             lenient = description.inertia == "lenient"
             built.append(build_robot(path, index, robot, description.plane, folder, lenient=lenient))
     with mistakes.noted():
-        surfaces, inertia, of_object = _build_object(path, folder, carried)
+        surfaces, inertia, of_object = build_object(path, folder, carried)
     with mistakes.noted():
         surroundings, around = build_surroundings(
             path, folder, description.surroundings, [robot.name for robot in description.robots]
@@ -174,20 +165,6 @@ def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:
 
 def _components(plane: str | None) -> tuple[str, ...]:
     return tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[plane])
-
-
-def _build_object(
-    path: Path, folder: Path, carried: ObjectDescription
-) -> tuple[dict[str, MeshSurface], Array, tuple[Remark, ...]]:
-    given = carried.inertia_matrix()
-    if carried.shape is None:
-        assert given is not None  # noqa: S101 (an object has one or the other)
-        return {}, given, ()
-    surfaces, inertia, remarks = build_shape(path, folder, carried.shape, carried.mass, given)
-    problem = inertia_problem(inertia)
-    if problem:
-        raise InputError(path, f"the inertia of a uniform body of this shape {problem}", key="object.shape")
-    return surfaces, inertia, remarks
 
 
 def build_robot(

@@ -15,7 +15,7 @@ from mrts.base.errors import InputError, Mistakes, Remark
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, packed_surface
 from mrts.base.input_file import LARGEST_NUMBER, FileReference
 from mrts.base.rigid_transform import RigidTransform, multiply
-from mrts.cell.cell_file import RobotDescription
+from mrts.cell.cell_file import ObjectDescription, RobotDescription, inertia_problem
 from mrts.cell.points import point_names
 from mrts.cell.record import BodyShape, MeshSurface, Obstacle, mesh_surface
 
@@ -75,16 +75,22 @@ def _surfaces(path: Path, folder: Path, shape: BodyShape, key: str) -> tuple[dic
     return {shape.mesh: MeshSurface(sha256=sha256, vertices=vertices, triangles=triangles)}, surface
 
 
-def build_shape(
-    path: Path, folder: Path, shape: BodyShape, mass: float, inertia: Array | None
+def build_object(
+    path: Path, folder: Path, carried: ObjectDescription
 ) -> tuple[dict[str, MeshSurface], Array, tuple[Remark, ...]]:
-    """What is drawn of an object's mesh, the inertia that its shape gives it, and what to know."""
+    """What is drawn of an object's mesh, its inertia, given or of a uniform body of its shape, and what to know."""
+    shape, inertia = carried.shape, carried.inertia_matrix()
+    if shape is None:
+        assert inertia is not None  # noqa: S101 (an object has one or the other)
+        return {}, inertia, ()
     drawn, surface = _surfaces(path, folder, shape, "object.shape")
     T, size = shape.pose.transform, _size(shape, surface)
     if inertia is None:
-        centre, own = _uniform(path, folder, shape, mass, surface)
+        centre, own = _uniform(path, folder, shape, carried.mass, surface)
         _check_centre(path, T, centre, size)
         inertia = multiply(multiply(T.R, own), T.R.T)
+        if problem := inertia_problem(inertia):
+            raise InputError(path, f"the inertia of a uniform body of this shape {problem}", key="object.shape")
     advice = "give 'scale: 0.001' if its file is in millimetres" if shape.mesh is not None else "lengths are in m"
     large = Remark("large-shape", f"{path.name}: object.shape is {size:.4g} m long; {advice}.")
     return drawn, inertia, (large,) if size > LARGE else ()

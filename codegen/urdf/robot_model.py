@@ -59,21 +59,19 @@ class RobotModel:
     T_base_root: RigidTransform
     remarks: tuple[Remark, ...] = ()
 
-    def held_numbers(self) -> Array:
-        """What of the chain depends on where held joints stand, in order, Shape (h,) [1, m, kg m²].
+    def numbers(self) -> Iterator[tuple[Array, bool]]:
+        """Of each joint R by rows and p, then com and inertia by rows of its body, of the tip R and p [1, m, kg m²].
 
-        Of a joint that is placed by them R by rows and p, of a body laden by them its com and its inertia by rows, of
-        the tip R and p.
+        Each with whether it depends on where held joints stand.
         """
-        parts: list[Array] = [np.empty(0)]
         for joint in self.joints:
-            if joint.placed_by_held:
-                parts.append(joint.placement.numbers)
-            if joint.laden_by_held:
-                parts += [joint.body.com, joint.body.at_com.ravel()]
-        if self.tip_by_held:
-            parts.append(self.tip.numbers)
-        return np.concatenate(parts)
+            yield joint.placement.numbers, joint.placed_by_held
+            yield np.append(joint.body.com, joint.body.at_com), joint.laden_by_held
+        yield self.tip.numbers, self.tip_by_held
+
+    def held_numbers(self) -> Array:
+        """What of the chain depends on where held joints stand, in order, Shape (h,) [1, m, kg m²]."""
+        return np.concatenate([np.empty(0), *(numbers for numbers, by_held in self.numbers() if by_held)])
 
     def attributes(
         self, components: int, *, urdf: str, sha256: str, fixed: Mapping[str, float], held: Mapping[str, float]
