@@ -11,23 +11,17 @@ from functools import lru_cache
 from mrts.base.arrays import freeze
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.cell_limits import (
-    KNOWN_CELLS,
-    contact_limits,
-    motor_limits,
-    torque_limits,
-    velocity_limits,
-    wrench_limits,
-)
-from mrts.limits.motion_limits import acceleration_limits, carried_limits, point_limits
+from mrts.limits import cell_limits as of_cell
+from mrts.limits import motion_limits as of_motion
 from mrts.limits.rows import LimitRows, checked_rows, stack_rows
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 """The rows of a limit along a motion; one of your own: docs/extending.md."""
 
 CELL_LIMITS: tuple[Callable[[Cell, CoordinatedMotion], LimitRows | None], ...] = (
-    *(torque_limits, wrench_limits, contact_limits, velocity_limits, motor_limits),
-    *(acceleration_limits, point_limits, carried_limits),
+    *(of_cell.torque_limits, of_cell.wrench_limits),
+    *(of_cell.contact_limits, of_cell.velocity_limits, of_cell.motor_limits),
+    *(of_motion.acceleration_limits, of_motion.point_limits, of_motion.carried_limits),
 )
 """Those of the cell file, None where it gives none; `Cell.limits` are there beside them."""
 
@@ -64,10 +58,10 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 
-@lru_cache(maxsize=KNOWN_CELLS)
+@lru_cache(maxsize=of_cell.KNOWN_CELLS)
 def fixed_rows(cell: Cell) -> LimitRows:
     """The first rows of `limit_rows`, the same along any motion, but for a reserve."""
-    rows = stack_rows([torque_limits(cell), wrench_limits(cell)]).bounded()
+    rows = stack_rows([of_cell.torque_limits(cell), of_cell.wrench_limits(cell)]).bounded()
     freeze(rows)
     return rows
 

@@ -197,9 +197,9 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
 
 
 def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
-    """The highest interval of c² up to `most`, Shape (N,), that each sample admits; `duals` leave out caps.
+    """Eqs. (38), (39): the highest interval of c² up to `most`, Shape (N,), that each sample admits.
 
-    Where c² is the only unknown, the kernel has eqs. (38), (39) to solve: every row bounds it by itself.
+    The equations are left where c² is the only unknown: every row bounds it by itself. `duals` leave out caps.
     """
     rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
