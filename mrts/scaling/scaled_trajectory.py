@@ -169,22 +169,12 @@ class LimitedQuantities:
 
     def uses(self, time: Array) -> tuple[LimitUse, ...]:
         """What is made of each, all limited, at the sample that uses most; `time` of the samples, Shape (N,) [s]."""
-        most = np.max(self.share, axis=0)
+        most, every = np.max(self.share, axis=0), np.arange(len(self.rows))
         at = np.argmax(self.share >= _told_apart(most), axis=0)
         values = np.where(np.abs(self.values) < NOTHING * self.unit, 0.0, self.values)
-        return tuple(
-            LimitUse(
-                name=self.rows[row],
-                lower=float(self.lower[at[row], row]),
-                upper=float(self.upper[at[row], row]),
-                least=float(np.min(values[:, row])),
-                largest=float(np.max(values[:, row])),
-                share=max(0.0, float(most[row])),
-                time=float(time[at[row]]),
-                sample=int(at[row]),
-            )
-            for row in range(len(self.rows))
-        )
+        limits = self.lower[at, every], self.upper[at, every]
+        numbers = (*limits, values.min(axis=0), values.max(axis=0), np.maximum(most, 0.0), time[at], at)
+        return tuple(map(LimitUse, self.rows, *(of.tolist() for of in numbers)))
 
 
 def _told_apart(share: Array | float) -> Array:
