@@ -15,7 +15,7 @@ import numpy as np
 
 import mrts
 from mrts.base.arrays import Array
-from mrts.timing.fastest_profile import segment_times
+from mrts.program.smooth_program import segment_times
 from mrts.timing.path_pieces import path_pieces
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -53,7 +53,7 @@ def main(numbers: tuple[int, ...] = POINTS, transcribed_points: int = TRANSCRIBE
 def duration(solve: Callable[[], tuple[bool, Array]], step: Array) -> float:
     """The duration of what is found [s], NaN where nothing is."""
     found, x = solve()
-    return float(np.sum(segment_times(step, x, np.zeros(len(step))))) if found else np.nan
+    return float(np.sum(segment_times(step, x))) if found else np.nan
 
 
 if __name__ == "__main__":

@@ -60,29 +60,38 @@ class KernelSolver:
         its tangent on the side of a row where it presses towards the limit, and so root² √x of the effort. Where the
         tangents move with the iterates, steps from the answer would hardly better it. None where none is found.
         """
-        changes = np.count_nonzero(np.isfinite(program.change))
-        sizes = *program.free.shape[1:], program.gram.shape[1], changes, len(program.jerk)
-        kind = *sizes, goal.time > 0, goal.effort > 0, goal.longest is None
-        sigma = np.append(0.0, np.cumsum(program.step))
-        last = self._iterates.pop(kind, None)
-        near = None if last is None else _at_nodes(*last, sigma, program.free.shape[2])
-        for kept in (None,) if near is None else (near, None):  # the start far from the limits is the safer one
-            found = _start(program, around)
-            solved, _, left = self._solve(program, found, around, goal, kept, moving=moving)
-            if solved and program.keeps(found, KEPT):
-                self.steps += 1
-                self._iterates[kind] = sigma, left
-                return found
-        return None
+        found = self._near(program, around, goal, moving=moving)
+        self.steps += found is not None
+        return found
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
         """F of the least effort at a given timing, Shape (n, f); None where none is found."""
         program = program.of_free()
         if program.free.shape[2] == 0:
             return np.zeros((len(x), 0))
-        timed = _start(program, x, u)
-        solved, *_ = self._solve(program, timed, x, LEAST_EFFORT, timed=True)
-        return timed.free if solved and program.excess(timed) <= KEPT else None
+        found = self._near(program, x, LEAST_EFFORT, u)
+        return None if found is None else found.free
+
+    def _near(
+        self, program: SmoothProgram, around: Array, goal: Goal, u: Array | None = None, *, moving: bool = False
+    ) -> SmoothProfile | None:
+        """The answer of a program, whose timing is given with u, from the last iterate of its kind where there is one.
+
+        The start far from the limits is the safer one.
+        """
+        changes = np.count_nonzero(np.isfinite(program.change))
+        sizes = *program.free.shape[1:], program.gram.shape[1], changes, len(program.jerk)
+        kind = *sizes, u is None, goal.time > 0, goal.effort > 0, goal.longest is None
+        sigma = np.append(0.0, np.cumsum(program.step))
+        last = self._iterates.pop(kind, None)
+        near = None if last is None else _at_nodes(*last, sigma, program.free.shape[2])
+        for kept in (None,) if near is None else (near, None):
+            found = _start(program, around, u)
+            solved, _, left = self._solve(program, found, goal, kept, timed=u is not None, moving=moving)
+            if solved and program.keeps(found, KEPT):
+                self._iterates[kind] = sigma, left
+                return found
+        return None
 
     def least_rates(self, program: SmoothProgram, x: Array) -> tuple[float, Array, Array] | None:
         """The least share of all limits of rates that wrenches within the other limits take at a constant x.
@@ -99,7 +108,7 @@ class KernelSolver:
         count = np.count_nonzero(np.isfinite(program.change))
         for least in LEAST_RATES:
             eased, goal = replace(program, change=least * program.change), Goal(time=0.0)
-            solved, beyond, left = self._solve(eased, _start(eased, x), x, goal, timed=True, relaxed=least)
+            solved, beyond, left = self._solve(eased, _start(eased, x), goal, timed=True, relaxed=least)
             if solved:
                 slots = n * 2 * (r + count)
                 multipliers = left[slots + OF_PATH :][:slots].reshape(n, -1)  # behind as many slacks
@@ -115,7 +124,7 @@ class KernelSolver:
             It and by what share; None where the other limits cannot be kept.
         """
         found = _start(program, around)
-        solved, share, _ = self._solve(program, found, around, Goal(), relaxed=DURATIONS)
+        solved, share, _ = self._solve(program, found, Goal(), relaxed=DURATIONS)
         self.steps += solved
         return (found, share) if solved else None
 
@@ -123,7 +132,6 @@ class KernelSolver:
         self,
         program: SmoothProgram,
         found: SmoothProfile,
-        around: Array,
         goal: Goal,
         kept: Array | None = None,
         *,
@@ -131,14 +139,14 @@ class KernelSolver:
         moving: bool = False,
         relaxed: float = 0.0,
     ) -> tuple[bool, float, Array]:
-        """Solve a program; the answer is written to the profile, whose ends may be given.
+        """Solve a program, tangents laid at a profile, whose ends may be given; the answer is written to it.
 
         Returns:
             Whether there is an answer, by what share rates are passed in it, and the iterate that it leaves.
         """
         if self._rows is None or self._rows[0] is not program:
             self._rows = program, _of_program(program)
-        given, around = PROGRAM.from_buffer_copy(self._rows[1]), np.array(around, dtype=np.float64)
+        given, around = PROGRAM.from_buffer_copy(self._rows[1]), found.x.copy()
         given.kept = self._rows, around  # by a call that is left behind
         given.around, given.again, given.timed = around.ctypes.data, kept is not None, timed
         given.moving, given.relaxed = moving, relaxed

@@ -22,6 +22,35 @@ OF_ROWS = ("square", "rate", "root", "offset", "lower", "upper", "change", "weig
 """Attributes whose last axis are the rows."""
 
 
+def segment_times(step: Array, x: Array, rise: Array | None = None) -> Array:
+    """Duration of each segment, Shape (n - 1,) [s]; infinity where both ends stand still.
+
+    With v = ṡ at its ends it is 2 Δs / (v_0 + v_1) artanh(z) / z with z² = Δs (s̈_1 - s̈_0) / (v_0 + v_1)², the time
+    that s̈ = a s + b takes, and arctan where z² < 0.
+
+    Args:
+        step: Length of each segment, Shape (n - 1,).
+        x: ṡ² at its ends, Shape (n,).
+        rise: By how much s̈ rises along each segment, Shape (n - 1,); None where s̈ is constant on all.
+    """
+    speed = np.sqrt(x)
+    with np.errstate(divide="ignore"):
+        duration: Array = 2 * step / (speed[:-1] + speed[1:])
+    if rise is not None and rise.any():
+        share = stop_share(step, x, rise)
+        z = np.sqrt(np.abs(share))
+        for sign, inverse in ((share > 0, np.arctanh), (share < 0, np.arctan)):
+            duration[sign] *= inverse(z[sign]) / z[sign]
+    return duration
+
+
+def stop_share(step: Array, x: Array, rise: Array) -> Array:
+    """The rise of s̈ on each segment as a share of that with which it would come to rest inside, Shape (n - 1,)."""
+    speed, share, rising = np.sqrt(x), np.zeros_like(step), rise != 0
+    share[rising] = (step * rise)[rising] / np.square(speed[:-1] + speed[1:])[rising]
+    return share
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SmoothProgram:
     """Limits along a path σ with n nodes, on x = σ̇², u = σ̈ and free unknowns F (contact wrenches) at each of them.
@@ -120,10 +149,11 @@ class SmoothProgram:
 
     def times(self, x: Array) -> Array:
         """Δt of every segment, Shape (n - 1,) [s]; infinity where both ends stand still."""
-        speed = np.sqrt(x)
-        with np.errstate(divide="ignore"):
-            times: Array = 2 * self.step / (speed[:-1] + speed[1:])
-        return times
+        return segment_times(self.step, x)
+
+    def duration(self, x: Array) -> float:
+        """Σ Δt [s]."""
+        return float(np.sum(self.times(x)))
 
     def jerks(self, x: Array, u: Array) -> Array:
         """q⃛ at the start and at the end of every segment, Shape (n - 1, 2, J)."""

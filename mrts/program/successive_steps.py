@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import Progress
 from mrts.program.path_solver import KEPT, KernelSolver
 from mrts.program.reserve import of_shares
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
@@ -40,7 +41,8 @@ class StepsTaken:
     Attributes:
         profile: The last profile.
         best: The last that is the best one, before any room was given: what binds there limits the speed.
-        gain: Share of the cost by which the last step lowered it, 0 where it did not; None where no solver took it.
+        gain: Share of the cost by which the last step lowered it, 0 where it did not, or by which the only one differs
+            from what was spent before; None where no solver took it.
         shares: The largest share of any limit that the profile uses at each node, where room was made, Shape (n,).
     """
 
@@ -69,15 +71,17 @@ def successive_steps(
     likely: Array,
     goal: Goal,
     solver: KernelSolver,
-    told: Callable[[int], None] = lambda _step: None,
+    told: Progress = lambda _done, _total: None,
     accepted: Callable[[SmoothProfile], bool] = lambda _profile: True,
+    before: float = np.inf,
 ) -> StepsTaken | SmoothProfile:
     """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
     which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
-    Within a longest duration it starts from a profile that is fast enough. Where the best one is not `accepted`, or not
-    the one that it leads to by room or evenness, it is the answer by itself.
+    Within a longest duration it starts from a profile that is fast enough. A first profile that costs what the best one
+    cost `before`, with fewer nodes, is the best one: its tangents moved with it. Where the best one is not `accepted`,
+    or not the one that it leads to by room or evenness, it is the answer by itself.
 
     Raises:
         NoProfileError: If none is found.
@@ -89,7 +93,7 @@ def successive_steps(
         if duration > goal.longest:
             raise NoProfileError(duration=duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
-    best = _descent(program, found, goal, solver, told)
+    best = _descent(program, found, goal, solver, told, before=before)
     if not accepted(best.profile):
         return best.profile
     taken = _played(program, best, goal, solver, told)
@@ -101,11 +105,11 @@ def _played(
     best: StepsTaken,
     goal: Goal,
     solver: KernelSolver,
-    told: Callable[[int], None],
+    told: Progress,
 ) -> StepsTaken:
     """What the best profile leads to: one with room where there is to be some, else one whose u does not jump."""
     if goal.room and program.free.shape[2]:  # a second step would lower ∫ s² dt by less than a hundredth
-        longest = (1 + goal.room) * float(np.sum(program.times(best.profile.x)))
+        longest = (1 + goal.room) * program.duration(best.profile.x)
         spacious = solver.step(of_shares(program), best.profile.x, Goal(0.0, 1.0, longest))
         if spacious is not None:
             free, shares = spacious.free[:, :-1], spacious.free[:, -1]  # the last is s
@@ -120,12 +124,14 @@ def _descent(
     found: SmoothProfile,
     goal: Goal,
     solver: KernelSolver,
-    told: Callable[[int], None],
+    told: Progress,
     enough: float = 0.0,
+    before: float = np.inf,
 ) -> StepsTaken:
     """Steps from an admissible profile until one gains little, or its cost is low enough."""
-    spent, gain, steps = cost(program, found, goal), 1.0, 1
-    told(steps)
+    spent, steps = cost(program, found, goal), 1
+    gain = abs(1 - spent / before)
+    told(steps, steps + 1)
     while steps < MOST_STEPS and spent > enough and gain >= CONVERGED:
         better = solver.step(program, found.x, goal)
         if better is None:
@@ -134,7 +140,7 @@ def _descent(
         gain = max(1 - after / spent, 0.0)
         if gain > 0:
             found, spent, steps = better, after, steps + 1
-            told(steps)
+            told(steps, steps + 1)
     return StepsTaken(found, found, gain)
 
 
@@ -171,7 +177,7 @@ def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) 
 
 def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
     """What a profile costs: the weighted sum of its duration, its effort and its jumps of u."""
-    spent = goal.time * float(np.sum(program.times(profile.x)))
+    spent = goal.time * program.duration(profile.x)
     if goal.effort > 0:
         spent += goal.effort * program.effort(profile)
     return spent + goal.uneven * _jumps(program, profile)

@@ -213,7 +213,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
     the plan, and where the load varies those that carry each of its corners.
     """
     inside, segment, place, x, u = part.between()
-    path = part.fine.at(inside)
+    path = part.piece.fine.at(inside)
     loads, carried = [timed.cell.load], [part.plan]
     if len(timed.loads) > 1:
         loads += timed.loads
@@ -224,7 +224,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
     if rates is not None and program.jerk.size:
         limited = np.isfinite(rates.jerk)
         slope = (np.diff(part.rates)[segment, 0] / part.piece.step[segment])[:, None]
-        thirds = np.stack([part.third[inside - 1, 1], part.third[inside, 0]])[:, :, limited]
+        thirds = np.stack([part.piece.third[inside - 1, 1], part.piece.third[inside, 0]])[:, :, limited]
         jerk = path.dq[:, limited] * slope + 3 * path.ddq[:, limited] * u[:, None] + thirds * x[:, None]
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / program.jerk - 1)
         row_at.append(lambda row, **_side: ActiveRow(program.jerk_names[row], "upper", float(program.jerk[row])))

@@ -5,7 +5,7 @@ Regions are convex polygons, as half-planes; the passes through them are those o
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from mrts.base.arrays import Array, median
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL, backward, effects, forward, half_planes, projections
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import REST_TOLERANCE
+from mrts.program.smooth_program import segment_times, stop_share
 
 BOX = 1e5
 """Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
@@ -169,19 +170,9 @@ def _likely_speed(
 
 
 def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
-    count, rows, _ = A.shape
-    planes = np.empty((count, 2 * rows, 3))
-    planes[:, :rows, :2], planes[:, :rows, 2] = A, upper
-    np.negative(A, out=planes[:, rows:, :2])
-    np.negative(lower, out=planes[:, rows:, 2])
+    planes = np.concatenate([np.dstack([A, upper]), -np.dstack([A, lower])], axis=1)
     limited = np.isfinite(planes[:, :, 2]).any(axis=0)
     return planes if limited.all() else planes[:, limited]
-
-
-def _projections(
-    problem: SampleProblem, rows: NDArray[np.int32], scale: Array, bounds: tuple[Array, Array]
-) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
-    return projections(problem.A, problem.lower, problem.upper, scale, bounds, rows)
 
 
 def _decided_projections(
@@ -192,7 +183,7 @@ def _decided_projections(
     Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier
     is too small to be told from rounding.
     """
-    number, corners, status = _projections(problem, rows, scale, bounds)
+    number, corners, status = projections(problem.A, problem.lower, problem.upper, scale, bounds, rows)
     again = ((status != OPTIMAL) & (status != INFEASIBLE)).nonzero()[0]
     if not again.size:
         return number, corners
@@ -203,7 +194,7 @@ def _decided_projections(
     turned[:, :, :free] = 0.0
     turned[:, rows, : used.shape[1]] = directions * used[:, None, :]
     ones, its_bounds = np.ones_like(scale[again]), (bounds[0][again], bounds[1][again])
-    more, found, _ = _projections(replace(some, A=turned), rows, ones, its_bounds)
+    more, found, _ = projections(turned, some.lower, some.upper, ones, its_bounds, rows)
     places = np.repeat(np.cumsum(number)[again], more)  # none of them had corners
     number[again] = more
     return number, np.insert(corners, places, found, axis=0)
@@ -307,7 +298,7 @@ def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) 
         return found
     for _ in range(MOST_PASSES):
         faster = fastest_profile(step, found.regions, ends, rise)
-        if not isinstance(faster, SpeedProfile) or (_stop_share(step, faster.x, rise) >= 1).any():
+        if not isinstance(faster, SpeedProfile) or (stop_share(step, faster.x, rise) >= 1).any():
             return found
         before, lasts = lasts, min(lasts, float(np.sum(segment_times(step, faster.x, rise))))
         if lasts < before:
@@ -315,34 +306,6 @@ def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) 
         if lasts >= before * (1 - WORTH):
             return found
     return found
-
-
-def segment_times(step: Array, x: Array, rise: Array) -> Array:
-    """Duration of each segment, Shape (n - 1,) [s]; infinity where both ends stand still.
-
-    With v = ṡ at its ends it is 2 Δs / (v_0 + v_1) artanh(z) / z with z² = Δs (s̈_1 - s̈_0) / (v_0 + v_1)², the time
-    that s̈ = a s + b takes, and arctan where z² < 0.
-
-    Args:
-        step: Length of each segment, Shape (n - 1,).
-        x: ṡ² at its ends, Shape (n,).
-        rise: By how much s̈ rises along each segment, Shape (n - 1,).
-    """
-    speed = np.sqrt(x)
-    duration: Array = 2 * step / (speed[:-1] + speed[1:])
-    if rise.any():
-        share = _stop_share(step, x, rise)
-        z = np.sqrt(np.abs(share))
-        for sign, inverse in ((share > 0, np.arctanh), (share < 0, np.arctan)):
-            duration[sign] *= inverse(z[sign]) / z[sign]
-    return duration
-
-
-def _stop_share(step: Array, x: Array, rise: Array) -> Array:
-    """The rise of s̈ on each segment as a share of that with which it would come to rest inside, Shape (n - 1,)."""
-    speed, share, rising = np.sqrt(x), np.zeros_like(step), rise != 0
-    share[rising] = (step * rise)[rising] / np.square(speed[:-1] + speed[1:])[rising]
-    return share
 
 
 def _rises(step: Array, x: Array) -> Array:

@@ -18,6 +18,7 @@ from mrts.limits.rows import RowName, rows_text
 from mrts.program.infeasibility import Conflict, conflicts_at, find_conflicts
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
+from mrts.program.smooth_program import segment_times
 from mrts.scaling.range import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion
 from mrts.timing.fastest_profile import (
@@ -27,11 +28,10 @@ from mrts.timing.fastest_profile import (
     fastest_profile,
     intersect_regions,
     rising_profile,
-    segment_times,
     speed_regions,
 )
 from mrts.timing.path_pieces import PathError, PathPiece, path_pieces
-from mrts.timing.result import RetimingResult, RetimingStatus, best_factor
+from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import TimedPiece
 from mrts.timing.successive_profiles import successive_profiles
 
@@ -145,8 +145,7 @@ class _Search:
         if found.x[fastest] >= UNBOUNDED_SHARE * found.regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return RetimingStatus.UNBOUNDED, why, None
-        with np.errstate(divide="ignore"):
-            times = segment_times(self.piece.step, found.x, found.rise)
+        times = segment_times(self.piece.step, found.x, found.rise)
         stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
         if not np.any(stuck):
             rises = not self.rows.has_speed_terms
@@ -155,7 +154,7 @@ class _Search:
             rates = np.column_stack([mean - half, mean + half])
             return TimedPiece(piece=self.piece, x=profile.x, rates=rates, profile=profile)
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
-        upper = best_factor(self.asked.cell, self.asked.given, self.asked.options).range.upper
+        upper = self.asked.factor.range.upper
         why += "." if upper.time is None else f"; c² is limited {upper.place()}."
         return RetimingStatus.STANDSTILL, why, None
 
@@ -228,17 +227,13 @@ def timing_question(found: RetimingResult) -> SpeedQuestion:
     asked = replace(found, options=replace(found.options, rates=None, between=None))
 
     def answer(cell: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
-        changed = replace(asked, cell=cell, given=motion)
-        return _of_timing(fastest_timing(changed, motion))
+        timed = fastest_timing(replace(asked, cell=cell, given=motion), motion)
+        if not timed.status.admits_motion:
+            return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
+        limits = dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits)
+        return SpeedAnswer(status="feasible", duration=timed.duration, limits=tuple(limits))
 
     return found.cell, found.motion, answer
-
-
-def _of_timing(timed: RetimingResult) -> SpeedAnswer:
-    if not timed.status.admits_motion:
-        return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
-    limits = tuple(dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits))
-    return SpeedAnswer(status="feasible", duration=timed.duration, limits=limits)
 
 
 def segment_conflict(

@@ -81,6 +81,19 @@ class PathPiece:
         return np.diff(self.path.object.time)
 
 
+@dataclass(frozen=True, kw_only=True)
+class SmoothPath(PathPiece):
+    """A piece whose samples are the nodes of a smooth timing.
+
+    Attributes:
+        fine: The path at its nodes and between them, every `STRIDE`th of K samples a node.
+        third: q''' at the start and at the end of each of their segments, Shape (K - 1, 2, m).
+    """
+
+    fine: CoordinatedMotion
+    third: Array
+
+
 class PathError(MrtsError):
     """A motion is no path: of "zero length", or "stationary" where it stands still or turns back between samples."""
 
@@ -267,16 +280,13 @@ def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
 
 def smooth_pieces(
     cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float], duration: float
-) -> list[tuple[PathPiece, CoordinatedMotion, Array]]:
+) -> list[SmoothPath]:
     """The pieces of a motion with nodes at its samples, by the time σ in which quintics from stop to stop go their way.
 
     That is some duration [s] in all. Where a piece is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a
     limited rate it goes with t³, so that ṡ² by σ is finite and not zero. At a stop on the way each knows how every
     joint travels on the other side, so that the torques there are the same before and after it: of a joint that turns
     back, without dry friction.
-
-    Returns:
-        Each with `fine` and `third` of `SmoothPiece`.
     """
     time = motion.object.time
     pieces = path_pieces(cell, with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel()))
@@ -292,7 +302,7 @@ def smooth_pieces(
 
 def _smooth_piece(
     motion: CoordinatedMotion, piece: PathPiece, travel: Array, at_rest: tuple[bool, bool], slower: float
-) -> tuple[PathPiece, CoordinatedMotion, Array]:
+) -> SmoothPath:
     path, nodes = piece.path, np.arange(0, piece.path.samples, STRIDE)
     first_node, s = piece.first // STRIDE, path.object.time
     time = motion.object.time[first_node : first_node + len(nodes)]
@@ -307,16 +317,16 @@ def _smooth_piece(
         turns = _between_nodes(s, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
     sides = np.stack([np.arange(len(s) - 1), np.arange(1, len(s))], axis=1)
     first, second, third = by[:, sides, None]
-    of_nodes = PathPiece(
+    return SmoothPath(
         first=first_node,
         path=_by_parameter(path.at(nodes), travel[:, nodes], z[nodes] * duration, *by[:2, nodes]),
         speed=piece.speed[nodes],
         rests=piece.rests,
         arc=s[nodes],
         arc_speed=by[0, nodes],
+        fine=_by_parameter(path, travel, z * duration, *by[:2]),
+        third=turns * first**3 + 3 * path.ddq[sides] * first * second + path.dq[sides] * third,
     )
-    thirds = turns * first**3 + 3 * path.ddq[sides] * first * second + path.dq[sides] * third
-    return of_nodes, _by_parameter(path, travel, z * duration, *by[:2]), thirds
 
 
 def _between_nodes(s: Array, third: Array) -> Array:

@@ -182,8 +182,11 @@ class RetimingResult(Result):
 
     @cached_property
     def factor(self) -> ScalingResult:
-        """`best_factor` of the given motion, for comparison."""
-        return best_factor(self.cell, self.given, self.options)
+        """The best constant factor of the given motion, for comparison; without a c² where none moves the object."""
+        try:
+            return chosen_factor(self.cell, self.given, self.options)[0]
+        except SelectionError as error:
+            return error.result
 
     @cached_property
     def constant(self) -> ScalingResult:
@@ -336,16 +339,3 @@ class RetimingResult(Result):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | self.retimed.played_json(done)
-
-
-def best_factor(cell: Cell, motion: CoordinatedMotion, options: Options) -> ScalingResult:
-    """The best constant factor without its torques; without a c² where none moves the object.
-
-    Raises:
-        MotionError: If the arms cannot hold the object where the range is looked at between the samples.
-        SolverError: If no solver answers.
-    """
-    try:
-        return chosen_factor(cell, motion, options)[0]
-    except SelectionError as error:
-        return error.result

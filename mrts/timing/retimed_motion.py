@@ -13,14 +13,13 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.binding import filled, structure
-from mrts.kernel.cell_library import CellLibrary
 from mrts.limits.rows import RowName
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motion_rows import travel_directions
-from mrts.program.smooth_program import SmoothProgram
+from mrts.program.smooth_program import SmoothProgram, segment_times
 from mrts.program.successive_steps import StepsTaken
-from mrts.timing.fastest_profile import SpeedProfile, segment_times
-from mrts.timing.path_pieces import PLACES, STRIDE, PathPiece
+from mrts.timing.fastest_profile import SpeedProfile
+from mrts.timing.path_pieces import PLACES, STRIDE, PathPiece, SmoothPath
 
 AT_PLACES = polynomial_weights(PLACES)
 """Found once: to find them takes 1 % of a short timing."""
@@ -50,8 +49,7 @@ class TimedPiece:
     @cached_property
     def segment_times(self) -> Array:
         """Duration of each segment, Shape (n - 1,) [s]; of a smooth one, what the limits of rates were kept with."""
-        rise = np.zeros_like(self.piece.step) if self.profile is None else self.profile.rise
-        return segment_times(self.piece.step, self.x, rise)
+        return segment_times(self.piece.step, self.x, None if self.profile is None else self.profile.rise)
 
     def along_arc(self, x: Array) -> Array:
         """Speeds ṡ along the arc length at the samples, for some σ̇² there, Shape (n,)."""
@@ -74,8 +72,6 @@ class SmoothPiece(TimedPiece):
     """A piece with its smooth timing, by σ.
 
     Attributes:
-        fine: The path at its nodes and between them, every `STRIDE`th of K samples a node.
-        third: q''' at the start and at the end of each of their segments, Shape (K - 1, 2, m).
         program: All limits of it, for all loads.
         steps: How the timing was found.
         carried: Free wrenches of the timing for each load, Shape (n, f).
@@ -84,8 +80,7 @@ class SmoothPiece(TimedPiece):
         wrench: Contact wrenches with them, Shape (n, n w) [N, N m].
     """
 
-    fine: CoordinatedMotion
-    third: Array
+    piece: SmoothPath
     program: SmoothProgram
     steps: StepsTaken
     carried: tuple[Array, ...]
@@ -95,9 +90,10 @@ class SmoothPiece(TimedPiece):
 
     def between(self) -> tuple[NDArray[np.int_], NDArray[np.int_], Array, Array, Array]:
         """The fine samples that are not nodes: which, segment, place in it, x and u there, each Shape (k,)."""
-        inside, step = np.flatnonzero(np.arange(self.fine.samples) % STRIDE), self.piece.step
+        fine, step = self.piece.fine, self.piece.step
+        inside = np.flatnonzero(np.arange(fine.samples) % STRIDE)
         segment = inside // STRIDE
-        after = self.fine.object.time[inside] - self.piece.path.object.time[segment]
+        after = fine.object.time[inside] - self.piece.path.object.time[segment]
         place, start, change = after / step[segment], self.rates[segment, 0], np.diff(self.rates)[segment, 0]
         x = self.x[segment] + 2 * after * (start + change * place / 2)
         return inside, segment, place, x, start + change * place
@@ -106,6 +102,11 @@ class SmoothPiece(TimedPiece):
     def binding(self) -> list[set[RowName]]:
         """The limits that bind on every segment."""
         return self.program.binding(self.steps.best, BINDING)
+
+
+def smooth_parts(pieces: Sequence[TimedPiece]) -> list[SmoothPiece]:
+    """The pieces of a smooth timing; none of another one."""
+    return [part for part in pieces if isinstance(part, SmoothPiece)]
 
 
 def new_times(pieces: Sequence[TimedPiece]) -> Array:
@@ -132,7 +133,7 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
 
 def smooth_torques(pieces: Sequence[TimedPiece]) -> tuple[Array, Array]:
     """Torques and wrenches of a smooth timing, Shape (N, m) and (N, n w); at a stop they are alike on both sides."""
-    planned = [(part.torque, part.wrench) for part in pieces if isinstance(part, SmoothPiece)]
+    planned = [(part.torque, part.wrench) for part in smooth_parts(pieces)]
     torques, wrenches = map(_joined, zip(*planned, strict=True))
     return torques, wrenches
 
@@ -159,47 +160,27 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
 def between_path_samples(
     cell: Cell, part: TimedPiece, segments: NDArray[np.intp], places: Array = PLACES
 ) -> CoordinatedMotion:
-    """The retimed motion inside some segments, dq/ds on the polynomials of `velocity_polynomials`.
+    """The retimed motion inside some segments, dq/ds on the polynomials of `velocity_polynomials`, by one foreign call.
 
     Args:
         segments: Which, in order, Shape (s,).
         places: Where in each segment, in (0, 1), Shape (p,).
 
     Returns:
-        The motion at p s samples, segment after segment; its time is the path parameter.
+        The motion at p s samples, segment after segment; its time is the path parameter, from the first place on.
     """
-    s, q, dq, ddq, *carried = path_places(cell.library, cell, part.piece.path, (part.x, part.rates), segments, places)
-    position, rotation, twist, acceleration = carried
-    inside = unchecked_object_motion(s, position, rotation, twist, acceleration)
-    return unchecked_coordinated_motion(inside, q, dq, ddq)
-
-
-def path_places(
-    library: CellLibrary,
-    cell: Cell,
-    path: CoordinatedMotion,
-    speeds: tuple[Array, Array],
-    segments: NDArray[np.intp],
-    places: Array = PLACES,
-) -> tuple[Array, ...]:
-    """The motion of `between_path_samples` in one foreign call (kernel/c/arm_tips.c).
-
-    Args:
-        speeds: The squared speed at the samples, Shape (n,), and half its slope at the start and at the end of each
-            segment, a line in between, Shape (n - 1, 2).
-
-    Returns:
-        The parameter of the path from the first place on, q, q̇, q̈ and the object's position, rotation, twist and
-        acceleration, each with p s first.
-    """
+    path, library = part.piece.path, cell.library
     weights = AT_PLACES if places is PLACES else polynomial_weights(places)
     joints = {"time": path.object.time, "q": path.q, "dq": path.dq, "ddq": path.ddq}
     along = filled(JOINT_PATH, **joints, weight=weights, at=places, whole=WHOLE_WAY, places=len(places))
     count = len(places) * len(segments)
     found = [np.empty((count, *shape)) for shape in [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]]
-    library.opened.mrts_path_places(count, along, *speeds, cell.geometry, segments, cell.wrench_rows, *found)
-    found[5] = found[5].transpose(0, 2, 1)  # by columns, as generated functions want them
-    return tuple(found)
+    library.opened.mrts_path_places(count, along, part.x, part.rates, cell.geometry, segments, cell.wrench_rows, *found)
+    s, q, dq, ddq, position, rotation, twist, acceleration = found
+    by_columns = rotation.transpose(0, 2, 1)  # as generated functions want them
+    return unchecked_coordinated_motion(
+        unchecked_object_motion(s, position, by_columns, twist, acceleration), q, dq, ddq
+    )
 
 
 def _played(

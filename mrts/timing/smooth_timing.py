@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -17,12 +17,12 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path_program
-from mrts.program.successive_steps import NoProfileError, StepsTaken, successive_steps
+from mrts.program.successive_steps import NoProfileError, StepsTaken, cost, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.timing.between_samples import refined_timing
-from mrts.timing.path_pieces import STRIDE, PathPiece, smooth_nodes, smooth_pieces, stops
+from mrts.timing.path_pieces import STRIDE, SmoothPath, smooth_nodes, smooth_pieces, stops
 from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
-from mrts.timing.retimed_motion import SmoothPiece, TimedPiece
+from mrts.timing.retimed_motion import SmoothPiece, smooth_parts
 
 NARROWING = 1e-5
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
@@ -55,45 +55,6 @@ class SmoothQuestion:
     solver: KernelSolver
     corners: list[int]
     progress: Progress
-
-    def program(self, part: "_Part", chosen: list[int], weights: Array | None) -> SmoothProgram:
-        """Limits of a piece for some of its loads, with the wrenches that are given at its ends."""
-        (start, end), rates = part.held, self.bare.options.rates
-        assert rates is not None  # noqa: S101 (only then is a timing smooth)
-        return path_program(
-            self.bare.cell,
-            part.piece.path,
-            [part.problems[place] for place in chosen],
-            rates,
-            weights,
-            part.ends,
-            (None if start is None else start[chosen].ravel(), None if end is None else end[chosen].ravel()),
-            np.stack([part.third[::STRIDE, 0], part.third[STRIDE - 1 :: STRIDE, 1]], axis=1),
-            self.sizes,
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """A piece that is to be timed.
-
-    Attributes:
-        piece: The piece, by σ.
-        fine: Of `SmoothPiece`.
-        third: Likewise.
-        problems: Rows of [F, u, x] at its nodes, one a load; the last is that of the cell's own load.
-        ends: σ̇² at its start and its end; None where it is free, as it is at rest by the given parameter.
-        held: F of each problem there, Shape (p, f), of the least torques at a stop on the way; None where it is free.
-        likely: σ̇² to start from, Shape (n,).
-    """
-
-    piece: PathPiece
-    fine: CoordinatedMotion
-    third: Array
-    problems: list[SampleProblem]
-    ends: tuple[float | None, float | None]
-    held: tuple[Array | None, Array | None]
-    likely: Array
 
 
 def smooth_timing(bare: RetimingResult, goal: Goal, progress: Progress) -> RetimingResult:
@@ -128,11 +89,8 @@ def smooth_timing(bare: RetimingResult, goal: Goal, progress: Progress) -> Retim
         question = replace(question, usual=slower or usual)
         coarse = timing_at_nodes(question, nodes)
     found = refined_timing(coarse, partial(timing_at_nodes, question), bare.options.between)
-    gains, least = list[float | None](), 0.0
-    for part in found.pieces:
-        assert isinstance(part, SmoothPiece)  # noqa: S101 (it is one of `timing_at_nodes`)
-        gains.append(part.steps.gain)
-        least += float(np.sum(part.program.times(part.steps.best.x)))
+    parts = smooth_parts(found.pieces)
+    gains, least = [part.steps.gain for part in parts], sum(part.program.duration(part.steps.best.x) for part in parts)
     answer = SmoothAnswer(
         longest=goal.longest,
         steps=question.solver.steps,
@@ -149,79 +107,154 @@ def timing_at_nodes(
     """The best timing with limits kept at the nodes, the samples of a motion, told the one with fewer of them."""
     bare = question.bare
     outcome = partial(RetimingResult, bare.cell, motion, bare.given, bare.options, loads=bare.loads)
-    parts = _parts(question, motion, before.pieces if before else ())
-    if question.goal.longest is not None and len(parts) > 1:
+    paths = smooth_pieces(bare.cell, motion, bare.end_speeds, question.usual)
+    if question.goal.longest is not None and len(paths) > 1:
         raise InputError("least_energy_in", "goes with a motion that does not stop on its way: ask for each part.")
-    try:
-        timed = [_timed(question, part) for part in parts]
-    except NoProfileError as none:
-        return outcome(*_why(question, none))
-    if sum(float(np.sum(program.times(found.profile.x))) for program, found, _ in timed) < UNBOUNDED * question.usual:
-        why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
-        return outcome(RetimingStatus.UNBOUNDED, why)
-    planned = tuple(_planned(question, part, *one) for part, one in zip(parts, timed, strict=True))
-    return outcome(RetimingStatus.LOCALLY_OPTIMAL, pieces=planned)
-
-
-def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[TimedPiece]) -> list[_Part]:
-    bare, speeds, fastest = question.bare, question.bare.end_speeds, question.bare.duration
-    cell, loads = bare.cell, bare.loads
-    carried = loads if len(loads) == 1 else (*loads, None)
-    paths = smooth_pieces(cell, motion, speeds, question.usual)
-    parts: list[_Part] = []
+    known = smooth_parts(before.pieces) if before else [None] * len(paths)
+    pieces: list[SmoothPiece] = []
     start = None
-    for number, (piece, fine, third) in enumerate(paths):
-        rows = motion_rows(cell, piece.path, bare.options.sharing, circles=True)
-        problems = [build_sample_problem(rows, load=load, varying=True) for load in carried]
-        end = None if number == len(paths) - 1 else _stopped_wrenches(problems, question.weights)
-        likely = np.full(piece.path.samples, 1.0 if fastest is None else (question.usual / fastest) ** 2)
-        if before:
-            likely = np.interp(piece.path.object.time, before[number].piece.path.object.time, before[number].x)
-        ends = list[float | None]()
-        for place, speed, at_rest in zip((0, -1), speeds, stops(piece, speeds), strict=True):
-            if not at_rest:
-                likely[place] = (speed * piece.speed[place] / piece.arc_speed[place]) ** 2
-            ends.append(None if at_rest else float(likely[place]))
-        parts.append(_Part(piece, fine, third, problems, (ends[0], ends[1]), (start, end), likely))
-        start = end
-    return parts
+    for path, coarse in zip(paths, known, strict=True):
+        search = _Search(question, path, coarse, start, stops=path is not paths[-1])
+        found = search.run()
+        if not isinstance(found, SmoothPiece):
+            return outcome(*found)
+        pieces.append(found)
+        start = search.end
+    return outcome(RetimingStatus.LOCALLY_OPTIMAL, pieces=tuple(pieces))
 
 
-def _timed(question: SmoothQuestion, part: _Part) -> tuple[SmoothProgram, StepsTaken, tuple[Array, ...]]:
-    """The timing of a piece, the limits that it was found with, and its free wrenches for each load.
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """A piece that is to be timed.
 
-    Few corners of a box bind. So programs have the limits of one load, and while a best profile, or one with room,
-    admits no wrenches within those of others, of the one besides that it passes most. An effort is one of all loads.
+    Attributes:
+        question: What is asked.
+        piece: The piece, n nodes.
+        before: Its timing with fewer nodes, None where there is none.
+        start: F of each problem at its start, Shape (p, f), of the least torques at a stop on the way; None where it is
+            free.
+        stops: Whether there is such a stop at its end.
     """
-    loads = range(len(question.bare.loads))
-    corners = question.corners if question.goal.effort == 0 else [*loads]
-    carried: dict[int, Array] = {}
 
-    def limits(chosen: list[int]) -> SmoothProgram:
-        return question.program(part, chosen, question.weights if question.goal.effort > 0 else None)
+    question: SmoothQuestion
+    piece: SmoothPath
+    before: SmoothPiece | None
+    start: Array | None
+    stops: bool
 
-    def accepted(profile: SmoothProfile) -> bool:
-        passed: dict[int, float] = {}
-        for place in [place for place in loads if place not in corners]:
-            program = limits([place])
-            free = question.solver.torques(program, profile.x, profile.u)
-            if free is None or not program.keeps(replace(profile, free=free), KEPT):
-                passed[place] = _widening(program, profile)
-            else:
-                carried[place] = free
-        if passed:
-            corners.append(max(passed, key=lambda place: passed[place]))
-        return not passed
+    @cached_property
+    def problems(self) -> list[SampleProblem]:
+        """Rows of [F, u, x] at the nodes, one a load; the last is that of the cell's own load."""
+        bare = self.question.bare
+        rows = motion_rows(bare.cell, self.piece.path, bare.options.sharing, circles=True)
+        loads = bare.loads if len(bare.loads) == 1 else (*bare.loads, None)
+        return [build_sample_problem(rows, load=load, varying=True) for load in loads]
 
-    program, likely = limits(corners).narrowed(NARROWING), part.likely
-    while True:
-        found = successive_steps(
-            program, likely, question.goal, question.solver, lambda step: question.progress(step, step + 1), accepted
+    @cached_property
+    def end(self) -> Array | None:
+        """As `start`, at its end."""
+        return _stopped_wrenches(self.problems, self.question.weights) if self.stops else None
+
+    @cached_property
+    def ends(self) -> tuple[float | None, float | None]:
+        """σ̇² at its start and its end; None where it is free, as it is at rest by the given parameter."""
+        piece, speeds = self.piece, self.question.bare.end_speeds
+        start, end = (
+            None if at_rest else float(speed * piece.speed[place] / piece.arc_speed[place]) ** 2
+            for place, speed, at_rest in zip((0, -1), speeds, stops(piece, speeds), strict=True)
         )
-        if isinstance(found, StepsTaken):
-            carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
-            return program, found, tuple(carried[place] for place in loads)
-        program, likely = limits(corners).narrowed(NARROWING), found.x
+        return start, end
+
+    def program(self, chosen: list[int], weights: Array | None) -> SmoothProgram:
+        """The limits for some of the loads, with the wrenches that are given at the ends."""
+        question, third = self.question, self.piece.third
+        rates = question.bare.options.rates
+        assert rates is not None  # noqa: S101 (only then is a timing smooth)
+        return path_program(
+            question.bare.cell,
+            self.piece.path,
+            [self.problems[place] for place in chosen],
+            rates,
+            weights,
+            self.ends,
+            (
+                None if self.start is None else self.start[chosen].ravel(),
+                None if self.end is None else self.end[chosen].ravel(),
+            ),
+            np.stack([third[::STRIDE, 0], third[STRIDE - 1 :: STRIDE, 1]], axis=1),
+            question.sizes,
+        )
+
+    def run(self) -> SmoothPiece | tuple[RetimingStatus, str]:
+        """The timing with its torques, or the outcome without one."""
+        question, piece = self.question, self.piece
+        try:
+            program, steps, carried = self.timed()
+        except NoProfileError as none:
+            return _why(question, none)
+        x, u, problem = steps.profile.x, steps.profile.u, self.problems[-1]
+        if program.duration(x) < UNBOUNDED * piece.path.object.time[-1]:
+            why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
+            return RetimingStatus.UNBOUNDED, why
+        known = steps.shares if len(carried) == 1 else None  # of several loads they are no single one's
+        limits = self.program([len(self.problems) - 1], question.weights)
+        plan = reserved_torques(limits, x, u, question.solver, known)
+        if plan is None:
+            raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
+        unknowns = np.column_stack([plan, u, x])
+        return SmoothPiece(
+            piece=piece,
+            x=x,
+            rates=np.column_stack([u[:-1], u[1:]]),
+            program=program,
+            steps=steps,
+            carried=carried,
+            plan=plan,
+            torque=problem.torque(unknowns),
+            wrench=problem.wrench(unknowns),
+        )
+
+    def timed(self) -> tuple[SmoothProgram, StepsTaken, tuple[Array, ...]]:
+        """The timing, the limits that it was found with, and its free wrenches for each load.
+
+        Few corners of a box bind. So programs have the limits of one load, and while a best profile, or one with
+        room, admits no wrenches within those of others, of the one besides that it passes most. An effort is one of all
+        loads.
+        """
+        question, goal, last = self.question, self.question.goal, self.before
+        loads = range(len(question.bare.loads))
+        corners = question.corners if goal.effort == 0 else [*loads]
+        carried: dict[int, Array] = {}
+
+        def limits(chosen: list[int]) -> SmoothProgram:
+            return self.program(chosen, question.weights if goal.effort > 0 else None)
+
+        def accepted(profile: SmoothProfile) -> bool:
+            passed: dict[int, float] = {}
+            for place in [place for place in loads if place not in corners]:
+                program = limits([place])
+                free = question.solver.torques(program, profile.x, profile.u)
+                if free is None or not program.keeps(replace(profile, free=free), KEPT):
+                    passed[place] = _widening(program, profile)
+                else:
+                    carried[place] = free
+            if passed:
+                corners.append(max(passed, key=lambda place: passed[place]))
+            return not passed
+
+        if last is None:
+            fastest = question.bare.duration
+            likely = np.full(len(self.piece.arc), 1.0 if fastest is None else (question.usual / fastest) ** 2)
+        else:
+            likely = np.interp(self.piece.path.object.time, last.piece.path.object.time, last.x)
+        before = np.inf if last is None else cost(last.program, last.steps.best, goal)
+        while True:
+            program = limits(corners).narrowed(NARROWING)
+            found = successive_steps(program, likely, goal, question.solver, question.progress, accepted, before)
+            if isinstance(found, StepsTaken):
+                carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
+                return program, found, tuple(carried[place] for place in loads)
+            likely = found.x
 
 
 def _widening(program: SmoothProgram, profile: SmoothProfile) -> float:
@@ -244,31 +277,6 @@ def _why(question: SmoothQuestion, found: NoProfileError) -> tuple[RetimingStatu
     return RetimingStatus.RATES_TOO_SMALL, (
         "no timing was found that keeps the other limits where torques cannot jump. Raise the limits that bind in the "
         "fastest timing, or leave limits of rates out."
-    )
-
-
-def _planned(
-    question: SmoothQuestion, part: _Part, program: SmoothProgram, steps: StepsTaken, carried: tuple[Array, ...]
-) -> SmoothPiece:
-    x, u, problem = steps.profile.x, steps.profile.u, part.problems[-1]
-    known = steps.shares if len(carried) == 1 else None  # of several loads they are no single one's
-    limits = question.program(part, [len(part.problems) - 1], question.weights)
-    plan = reserved_torques(limits, x, u, question.solver, known)
-    if plan is None:
-        raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
-    unknowns = np.column_stack([plan, u, x])
-    return SmoothPiece(
-        piece=part.piece,
-        fine=part.fine,
-        third=part.third,
-        x=x,
-        rates=np.column_stack([u[:-1], u[1:]]),
-        program=program,
-        steps=steps,
-        carried=carried,
-        plan=plan,
-        torque=problem.torque(unknowns),
-        wrench=problem.wrench(unknowns),
     )
 
 

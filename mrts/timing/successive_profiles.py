@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.programs import backward
 from mrts.program.sample_problem import SampleProblem
+from mrts.program.smooth_program import segment_times
 from mrts.timing.fastest_profile import (
     FARTHEST,
     Obstacle,
@@ -22,7 +23,6 @@ from mrts.timing.fastest_profile import (
     SpeedRegions,
     fastest_profile,
     intersect_regions,
-    segment_times,
     speed_regions,
 )
 
@@ -161,8 +161,7 @@ class _Search:
 
     def duration(self, profile: SpeedProfile) -> float:
         """Of a profile [s]; infinity where it stands still."""
-        with np.errstate(divide="ignore"):
-            return float(np.sum(segment_times(self.step, profile.x, profile.rise)))
+        return float(np.sum(segment_times(self.step, profile.x)))
 
     def through_cells(self) -> SpeedProfile | Obstacle:
         """A profile within limits, or where none leads on.

@@ -5,6 +5,8 @@ import platform
 import shutil
 import subprocess
 from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
 from unittest.mock import patch
 
 import numpy as np
@@ -24,7 +26,7 @@ from mrts.kernel.tracking import closure_sizes
 from mrts.program.motion_rows import MotorTerms, motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import TORQUE_WIDENING
-from mrts.timing.retimed_motion import path_places
+from mrts.timing.retimed_motion import between_path_samples
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"
@@ -109,13 +111,17 @@ def answers(request, tmp_path_factory):
 
     def of_all(library):
         """What is found between samples, and of all of them at once."""
-        rng_of_speeds = np.random.default_rng(2)
-        speeds = rng_of_speeds.random(SAMPLES) + 1, rng_of_speeds.random((SAMPLES - 1, 2))
-        places = path_places(library, cell, motion, speeds, np.arange(SAMPLES - 1))
+        drawn = np.random.default_rng(2)
+        part = SimpleNamespace(
+            piece=SimpleNamespace(path=motion), x=drawn.random(SAMPLES) + 1, rates=drawn.random((SAMPLES - 1, 2))
+        )
+        ours = SimpleNamespace(library=library, geometry=cell.geometry, wrench_rows=cell.wrench_rows)
+        there = between_path_samples(ours, part, np.arange(SAMPLES - 1))
         closed = closure_sizes(
             library, plain.inputs(None), motion.object.position + 1e-3, cell.geometry, cell.wrench_rows
         )
-        return [*places, closed]
+        of_object = map(partial(getattr, there.object), ("time", "position", "rotation", "twist", "acceleration"))
+        return [there.q, there.dq, there.ddq, *of_object, closed]
 
     def compiled(*flags):
         library = folder / f"lib{len(list(folder.iterdir()))}.so"

@@ -14,7 +14,7 @@ from mrts.motion.object_courses import PROFILES
 from mrts.program.between_samples import BETWEEN
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
-from mrts.timing.fastest_profile import segment_times
+from mrts.program.smooth_program import segment_times
 from mrts.timing.retimed_motion import at_segment_ends
 
 PATHS = 4

@@ -166,7 +166,7 @@ def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
 def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
     (part,) = smooth.pieces
     inside, segment, share, x, u = part.between()
-    problem = build_sample_problem(motion_rows(planar_cell, part.fine.at(inside)), varying=True)
+    problem = build_sample_problem(motion_rows(planar_cell, part.piece.fine.at(inside)), varying=True)
     plan = part.plan[segment] * (1 - share[:, None]) + part.plan[segment + 1] * share[:, None]
     values = np.einsum("nrk,nk->nr", problem.A, np.column_stack([plan, u, x]))
     excess = np.max(np.maximum(values - problem.upper, problem.lower - values))

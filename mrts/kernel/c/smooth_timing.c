@@ -1114,7 +1114,7 @@ static void mrts_smooth_take_kept(const mrts_smooth_program *p, mrts_smooth_stat
     mrts_smooth_copy(p->nodes + 1 - p->given_start - p->given_end, control + p->given_start,
                      at->control + p->given_start);
     at->unit = control[p->nodes + 1];
-    mrts_smooth_profile(p, at);
+    if (!p->timed) mrts_smooth_profile(p, at);
 }
 
 /* Slacks and multipliers to start with, and a share that leaves room to all that it relaxes. */
@@ -1185,7 +1185,7 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
             break;
         }
         if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
-        if (!kept && !p->timed && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
+        if (!kept && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
             mrts_smooth_keep(p, &at);
             kept = 1;
         }
