@@ -850,7 +850,7 @@ enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
 #define MRTS_SMOOTH_FIRST 10       /* the gap to start with, of the objective */
 #define MRTS_SMOOTH_CENTRAL 0.3    /* the gap, of the objective, and the excess, of a limit, of the iterate kept for a program that is near: with less it
                                    * is too near limits that have moved, with more it gains little */
-#define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
+#define MRTS_SMOOTH_LAID 1e-4      /* the gap, of the objective, below which tangents move no more */
 #define MRTS_SMOOTH_ROUNDING 1e-13 /* of a sum, what is left of it where all of it cancels */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
