@@ -79,8 +79,8 @@ class KernelSolver:
 
         The start far from the limits is the safer one.
         """
-        changes = np.count_nonzero(np.isfinite(program.change))
-        sizes = *program.free.shape[1:], program.gram.shape[1], changes, len(program.jerk)
+        changes, weighed = np.count_nonzero(np.isfinite(program.change)), np.count_nonzero(program.weight)
+        sizes = *program.free.shape[1:], program.gram.shape[1], changes, len(program.jerk), weighed
         kind = *sizes, u is None, goal.time > 0, goal.effort > 0, goal.longest is None
         sigma = np.append(0.0, np.cumsum(program.step))
         last = self._iterates.pop(kind, None)

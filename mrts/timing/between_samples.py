@@ -20,7 +20,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.timing.path_pieces import PLACES, PathPiece, path_pieces, root_mean_square, with_samples
-from mrts.timing.result import RetimingResult
+from mrts.timing.result import ONLY_AT_SAMPLES, RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
 
 MOST_ROUNDS = 12
@@ -99,7 +99,8 @@ def refined_timing(
         if timed.motion.samples + np.sum(count - 1) > most:
             break
         timed = again(_divided(timed.cell, timed.motion, segment, count), timed)
-    return replace(best, status=best.status.at_samples if least.passes else best.status, excess=least)
+    status = RetimingStatus(f"{best.status.value}{ONLY_AT_SAMPLES}") if least.passes else best.status
+    return replace(best, status=status, excess=least)
 
 
 def without_sharp_turns(cell: Cell, motion: CoordinatedMotion) -> CoordinatedMotion:

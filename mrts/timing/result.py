@@ -63,11 +63,6 @@ class RetimingStatus(Enum):
         """Whether there is a profile."""
         return self.value.removesuffix(ONLY_AT_SAMPLES) in {"optimal", "locally optimal"}
 
-    @property
-    def at_samples(self) -> "RetimingStatus":
-        """The same where limits hold at the samples only."""
-        return RetimingStatus(f"{self.value}{ONLY_AT_SAMPLES}")
-
 
 @dataclass(frozen=True)
 class SmoothAnswer:
