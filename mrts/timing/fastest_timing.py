@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, median
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import RowName, rows_text
 from mrts.program.infeasibility import Conflict, conflicts_at, find_conflicts
@@ -20,7 +19,6 @@ from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
 from mrts.program.smooth_program import segment_times
 from mrts.scaling.range import effective_parameters
-from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion
 from mrts.timing.fastest_profile import (
     Obstacle,
     SpeedProfile,
@@ -213,27 +211,6 @@ def _rows(conflict: Conflict | None) -> str:
     if conflict is None:
         return ""
     return f"; these conflict{conflict.with_load}: {rows_text(conflict.rows, '; ')}"
-
-
-def timing_question(found: RetimingResult) -> SpeedQuestion:
-    """The duration of the fastest timing with a cell, at the samples of one that was found.
-
-    Raises:
-        InputError: If rates were limited: such a timing takes seconds.
-    """
-    if found.smooth is not None:
-        rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
-        raise InputError("what if", rule)
-    asked = replace(found, options=replace(found.options, rates=None, between=None))
-
-    def answer(cell: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
-        timed = fastest_timing(replace(asked, cell=cell, given=motion), motion)
-        if not timed.status.admits_motion:
-            return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
-        limits = dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits)
-        return SpeedAnswer(status="feasible", duration=timed.duration, limits=tuple(limits))
-
-    return found.cell, found.motion, answer
 
 
 def segment_conflict(

@@ -2,7 +2,7 @@
 """The outcome of retiming: the profile, its trajectory and what limits it, or why there is none."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import Remark, printable
+from mrts.base.errors import InputError, Remark, printable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
@@ -28,7 +28,7 @@ from mrts.scaling.remarks import motion_remarks
 from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.scaled_trajectory import LimitUse
-from mrts.scaling.what_if import SpeedQuestion, WhatIf
+from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion, WhatIf
 from mrts.timing.path_pieces import PathPiece
 from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, at_segment_ends, new_times
 
@@ -282,10 +282,26 @@ class RetimingResult(Result):
         return motion_remarks(self.cell, self.given, self.given)
 
     def speed_question(self) -> SpeedQuestion:
-        """How fast a changed cell may play the motion, at the samples of this timing."""
-        from mrts.timing.fastest_timing import timing_question  # noqa: PLC0415 (it times, which makes results)
+        """How long a changed cell takes at least, at the samples of this timing.
 
-        return timing_question(self)
+        Raises:
+            InputError: If rates were limited: such a timing takes seconds.
+        """
+        from mrts.timing.fastest_timing import fastest_timing  # noqa: PLC0415 (it makes results)
+
+        if self.smooth is not None:
+            rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
+            raise InputError("what if", rule)
+        asked = replace(self, options=replace(self.options, rates=None, between=None))
+
+        def answer(cell: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
+            timed = fastest_timing(replace(asked, cell=cell, given=motion), motion)
+            if not timed.status.admits_motion:
+                return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
+            limits = dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits)
+            return SpeedAnswer(status="feasible", duration=timed.duration, limits=tuple(limits))
+
+        return self.cell, self.motion, answer
 
     def sentence(self) -> str:
         """The outcome alone."""

@@ -113,6 +113,7 @@ def test_a_fixed_sharing_is_kept_at_every_node(planar_cell, lift, smooth):
     assert found.duration > smooth.duration
     left, right = (found.retimed.wrench[name][:, :2] for name in ("left", "right"))  # forces, in the world's axes
     np.testing.assert_allclose(left, right, atol=2e-6)
+    assert (found.options.distribute, found.smooth.room) == ("least-torque", 0.0)  # nothing is left to distribute
 
 
 def test_a_motion_that_moves_at_its_ends_is_timed_from_and_to_any_speed(planar_cell, lift):
@@ -213,11 +214,6 @@ def test_with_rates_a_hundredth_of_the_duration_leaves_most_of_the_limits(dual_u
     assert not kept.excess.passes
     # what sets the speed is told, though the plan stays away from it
     assert {name for name, _ in least.limits[:5]} == {name for name, _ in kept.limits[:5]}
-
-
-def test_least_torque_stays_where_there_is_nothing_to_distribute(planar_cell, lift):
-    shared = mrts.retime(planar_cell, lift, rates=RATES, sharing=mrts.LoadSharing())
-    assert (shared.options.distribute, shared.smooth.room) == ("least-torque", 0.0)
 
 
 @pytest.mark.parametrize("sharing", [None, mrts.LoadSharing(shares=[0.5, 0.5])], ids=["free", "shared"])

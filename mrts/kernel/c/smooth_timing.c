@@ -169,9 +169,7 @@ static void mrts_smooth_node(const mrts_smooth_program *p, mrts_smooth_state *st
     double *value = state->value + at, *above = state->above + at, *below = state->below + at;
     for (int j = 0; j < r; ++j) {
         double sum = square[j] * x + rate[j] * u + offset[j];
-        const double *f = F + p->first[j], *e = entry + p->place[j];
-        for (int l = 0; l < p->count[j]; ++l) sum += e[l] * f[l];
-        value[j] = sum;
+        value[j] = sum + mrts_dot(p->count[j], entry + p->place[j], F + p->first[j]);
     }
     double *above_x = state->above_x + at, *below_x = state->below_x + at;
     if (!p->root) {
@@ -273,8 +271,7 @@ static void mrts_smooth_moved(const mrts_smooth_program *p, mrts_smooth_state *s
         double *here = dg + (long long)k * slots;
         for (int j = 0; j < r; ++j) {
             double sum = p->rate[at + j] * du[k];
-            const double *f = F + p->first[j], *e = entry + p->place[j];
-            for (int l = 0; l < p->count[j]; ++l) sum += e[l] * f[l];
+            sum += mrts_dot(p->count[j], entry + p->place[j], F + p->first[j]);
             above[at + j] = here[j] = sum + state->above_x[at + j] * dx[k];
             below[at + j] = sum + state->below_x[at + j] * dx[k];
             here[r + j] = -below[at + j];
@@ -326,6 +323,7 @@ static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *
             along_u += both * p->rate[at + j];
             const double *e = entry + p->place[j];
             double *f = F + p->first[j];
+            MRTS_UNROLL
             for (int l = 0; l < p->count[j]; ++l) f[l] += both * e[l];
         }
         for (int i = 0; i < p->cones; ++i) {
