@@ -69,13 +69,13 @@ def _dynamics(sample: Sample) -> Named:
     return {
         "mass_matrix": block_diagonal([mass_matrix(model, q) for model, q, _ in arms]),
         "coriolis_torque": ca.vertcat(*(coriolis_torque(*arm) for arm in arms)),
-        "gravity_torque": sample.arm_terms[2],
+        "gravity_torque": sample.terms_of_arms[2],
     }
 
 
 def _terms(sample: Sample) -> Named:
-    E, A, G = sample.arm_terms
-    P, S, Q = sample.object_terms
+    E, A, G = sample.terms_of_arms
+    P, S, Q = sample.terms_of_object
     J, B = ca.horzcat(*sample.J), ca.horzcat(*grasp_maps(sample))
     return {"E": E, "A": A, "G": G, "J": J, "B": B, "P": P, "S": S, "Q": Q}
 

@@ -34,7 +34,7 @@ def wrench_form(sample: Sample) -> dict[str, Any]:
 
     No inverse of a Jacobian, so it holds for redundant arms and at singularities.
     """
-    (P, _, Q), B = sample.object_terms, grasp_maps(sample)
+    (P, _, Q), B = sample.terms_of_object, grasp_maps(sample)
     B_last_inverse = grasp_map_inverse(sample.offsets[-1], sample.bases[-1].R, sample.cell.components)
     others = B[0].size1() * (len(B) - 1)
     last = B_last_inverse @ ca.horzcat(*(-B_i for B_i in B[:-1]), P)
@@ -44,7 +44,7 @@ def wrench_form(sample: Sample) -> dict[str, Any]:
 
 def _of_wrenches(sample: Sample, wrench_map: Any, wrench_offset: Any) -> dict[str, Any]:
     """The torques E c² + G + JᵀF of wrenches that are a map of unknowns, c² last."""
-    (E, _, G), J_T = sample.arm_terms, block_diagonal([J.T for J in sample.J])
+    (E, _, G), J_T = sample.terms_of_arms, block_diagonal([J.T for J in sample.J])
     torque_map = J_T @ wrench_map
     torque_map[:, -1] += E
     torques = {"torque_map": torque_map, "torque_offset": J_T @ wrench_offset + G}
@@ -57,7 +57,7 @@ def torque_form(sample: Sample) -> dict[str, Any]:
     A_1 = [L, -P - L E], b_1 = L G + Q. The wrenches are J_D (τ - E c² - G), so A_2 = [J_D, -J_D E] and the offset
     -J_D G. Every Jacobian must be square and well-conditioned.
     """
-    (E, _, G), (P, _, Q) = sample.arm_terms, sample.object_terms
+    (E, _, G), (P, _, Q) = sample.terms_of_arms, sample.terms_of_object
     J_D = block_diagonal([ca.solve(J.T, ca.SX.eye(J.size1())) for J in sample.J])  # under (29): J_i^-T
     L = ca.densify(ca.horzcat(*grasp_maps(sample)) @ J_D)
     joints = E.numel()
@@ -76,7 +76,7 @@ def fixed_distribution(sample: Sample) -> dict[str, Any]:
 
     The caller keeps Σ α_i = 1 of the shares, and Σ B_i F_i = 0 of the internal wrenches, base axes.
     """
-    P, _, Q = sample.object_terms
+    P, _, Q = sample.terms_of_object
     return _of_wrenches(sample, _shared_wrench(sample, P), _shared_wrench(sample, Q) + sample.inputs["internal_wrench"])
 
 

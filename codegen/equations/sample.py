@@ -21,8 +21,6 @@ MOVING = ("q", "dq", "ddq", "object_rotation", "object_twist", "object_accelerat
 """Inputs of a moving sample: joint positions, q' and q'' of all arms in order, each Shape (m,); of the object its
 rotation, Shape (3, 3), [p'; φ'] and [p''; φ''] in world axes, each Shape (6,); the load vector, `LOAD_ENTRIES`."""
 
-WRENCHES = ("wrench", "internal_wrench", "object_wrench")
-
 
 @dataclass(frozen=True, kw_only=True)
 class Sample:
@@ -63,12 +61,11 @@ class Sample:
         return [ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in arms]
 
     @cached_property
-    def arm_terms(self) -> tuple[Any, Any, Any]:
+    def terms_of_arms(self) -> tuple[Any, Any, Any]:
         """Inertial torques E [N m], A per time-warp acceleration [N m s²], gravity torques G [N m], each Shape (m,)."""
         arms = zip(self.models, *map(self.arms, ("q", "dq", "ddq")), self.down, strict=True)
-        E, A, G = (
-            ca.densify(ca.vertcat(*parts)) for parts in zip(*(scaled_arm_terms(*arm) for arm in arms), strict=True)
-        )
+        each = [scaled_arm_terms(*arm) for arm in arms]
+        E, A, G = (ca.densify(ca.vertcat(*parts)) for parts in zip(*each, strict=True))
         return E, A, G
 
     @cached_property
@@ -77,7 +74,7 @@ class Sample:
         return [contact_offset(self.inputs["object_rotation"], grasp.p) for grasp in self.grasps]
 
     @cached_property
-    def object_terms(self) -> tuple[Any, Any, Any]:
+    def terms_of_object(self) -> tuple[Any, Any, Any]:
         """Inertial wrench of the object P, S per time-warp acceleration, Q that carries its weight, each Shape (w,)."""
         R, twist, acceleration, load = (self.inputs[name] for name in MOVING[3:])
         return object_terms(load, R, twist, acceleration, self.gravity, self.cell.components)
@@ -90,9 +87,9 @@ def sample_of(cell: CellModel, *, bake: bool = False) -> Sample:
     """
     m, n, plane = sum(len(model.joints) for model in cell.models), len(cell.models), cell.record.plane
     shapes = {"q": (m,), "dq": (m,), "ddq": (m,), "object_rotation": (3, 3), "object_twist": (6,)}
-    shapes |= {"object_acceleration": (6,), "load": (len(LOAD_ENTRIES),)}
-    shapes |= {"shares": (n,)} | dict.fromkeys(WRENCHES, (n * len(cell.components),))
-    inputs = {name: ca.SX.sym(name, *shape) for name, shape in shapes.items()}
+    shapes |= {"object_acceleration": (6,), "load": (len(LOAD_ENTRIES),), "shares": (n,)}
+    wrenches = dict.fromkeys(("wrench", "internal_wrench", "object_wrench"), (n * len(cell.components),))
+    inputs = {name: ca.SX.sym(name, *shape) for name, shape in (shapes | wrenches).items()}
     numbers = cell.record.geometry
     inputs[GEOMETRY] = ca.SX(numbers) if bake else ca.SX.sym(GEOMETRY, numbers.size)
     entries = iter(ca.vertsplit(inputs[GEOMETRY]))
