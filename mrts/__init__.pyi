@@ -10,7 +10,7 @@ from mrts.base.version import __version__ as __version__
 from mrts.cell.cell import Cell as Cell
 from mrts.cell.cell import load_cell as load_cell
 from mrts.cell.hands import Contact as Contact
-from mrts.cell.motors import JointMotors as JointMotors
+from mrts.cell.robot import JointMotors as JointMotors
 from mrts.cell.robot import Robot as Robot
 from mrts.control.controller import Controller as Controller
 from mrts.control.controller import PlantErrors as PlantErrors

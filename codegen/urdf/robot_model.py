@@ -14,8 +14,7 @@ from mrts.base.errors import InputError, Mistakes, Remark
 from mrts.base.formats.urdf import NO_LIMIT, Urdf, UrdfJoint
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.base.rigid_transform import RigidTransform, multiply
-from mrts.cell.motors import JointMotors
-from mrts.cell.robot import Robot, RobotSource
+from mrts.cell.robot import JointMotors, Robot, RobotSource
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

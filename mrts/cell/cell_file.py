@@ -16,9 +16,9 @@ from mrts.base.load_box import Variation
 from mrts.base.manifest import MOST, WRENCH_UNITS
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.hands import Bounds, check_contact, limit_sides, one_each, read_contacts
-from mrts.cell.motors import NONE_GIVEN, JointMotors
 from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLimit
 from mrts.cell.record import BodyShape, Obstacle
+from mrts.cell.robot import NONE_GIVEN, JointMotors
 
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""

@@ -25,10 +25,9 @@ from mrts.base.yaml_text import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.cell_file import OF_ARM, POSES, CellDescription, ObjectDescription, RobotDescription, robot_values
 from mrts.cell.generation import described_model
-from mrts.cell.motors import PER_JOINT, RATINGS
 from mrts.cell.points import LinkPointLimit, ObjectRates, rate_limits
 from mrts.cell.record import BodyShape, CellManifest, CellRecord
-from mrts.cell.robot import Robot
+from mrts.cell.robot import PER_JOINT, RATINGS, Robot
 
 SAME_ROTATION = 1e-12
 """Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""

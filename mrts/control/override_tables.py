@@ -20,7 +20,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
-from mrts.cell.motors import EFFECTS
+from mrts.cell.robot import EFFECTS
 from mrts.control.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.kernel.binding import INFINITY, structure

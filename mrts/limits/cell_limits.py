@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, freeze
 from mrts.cell.cell import Cell
 from mrts.cell.hands import in_object_axes
-from mrts.cell.motors import torque_speed_lines
+from mrts.cell.robot import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, joint_rows, object_axes, row_names, wrench_rows
 

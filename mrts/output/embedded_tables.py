@@ -12,8 +12,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.cell.cell import Cell
-from mrts.cell.motors import EFFECTS
 from mrts.cell.points import PointLimit
+from mrts.cell.robot import EFFECTS
 from mrts.following.bodies import tip_at_posture
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion

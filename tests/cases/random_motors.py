@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from changed_robots import with_robots
 
-from mrts.cell.motors import JointMotors
+from mrts.cell.robot import JointMotors
 
 
 def equipped(cell, **given):

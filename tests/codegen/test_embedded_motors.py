@@ -10,7 +10,7 @@ from loaded_library import PLACES, LoadedLibrary, reals, structure
 from shipped_cells import changed_cell
 
 import mrts
-from mrts.cell.motors import JointMotors
+from mrts.cell.robot import JointMotors
 from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem

@@ -19,7 +19,6 @@ SHARED = (
     "mrts.cell.record",
     "mrts.cell.robot",
     "mrts.cell.hands",
-    "mrts.cell.motors",
     "mrts.cell.points",
 )
 """What the build time makes of a cell."""

@@ -9,7 +9,7 @@ from changed_robots import with_left
 from scipy.optimize import linprog
 
 import mrts
-from mrts.cell.motors import JointMotors
+from mrts.cell.robot import JointMotors
 from mrts.limits.cell_limits import motor_limits
 from mrts.limits.rows import LimitRows
 from mrts.output.embedded_tables import embedded_tables

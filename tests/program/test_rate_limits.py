@@ -9,7 +9,7 @@ from changed_robots import with_left
 from shipped_cells import changed_cell
 
 import mrts
-from mrts.cell.motors import JointMotors
+from mrts.cell.robot import JointMotors
 from mrts.cli import main
 from mrts.program.rate_limits import given_rate_limits, rate_limits
 from mrts.scaling.constant_rates import RATE_MARGIN

@@ -10,7 +10,7 @@ from conftest import UR5
 from random_motors import equipped
 
 import mrts
-from mrts.cell.motors import JointMotors
+from mrts.cell.robot import JointMotors
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.program.infeasibility import closest_speed, widening_at
 from mrts.program.motion_rows import motion_rows, motor_terms, travel_directions

@@ -14,7 +14,7 @@ from rated_factor import RatedFactor, spacing
 from shipped_cells import still_motion
 
 import mrts
-from mrts.cell.motors import JointMotors
+from mrts.cell.robot import JointMotors
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_limits
