@@ -21,8 +21,9 @@ from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.regular_file import is_folder
 from mrts.base.rigid_transform import in_one_place
-from mrts.cell.functions import CellFunctions, compiled_functions
 from mrts.cell.generation import (
+    CellFunctions,
+    compiled_functions,
     described_model,
     generated_chains,
     generated_in_cache,
@@ -311,7 +312,7 @@ def cell_of(functions: CellFunctions, folder: Path | None = None) -> Cell:
 
 def uncompiled_cell(model: Any, folder: Path) -> Cell:
     """A cell that can follow motions, and nothing else."""
-    return cell_of(CellFunctions(*motion_functions_of(model)), folder)
+    return cell_of(motion_functions_of(model), folder)
 
 
 def cell_to_compile(path: Path | str) -> Cell | None:

@@ -160,19 +160,19 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
     for path, place in places.items():
         match place:
             case ("gravity", *_):
-                changes["gravity"] = np.array(_given("cell", CellDescription, "gravity", keys["gravity"]))
+                changes["gravity"] = np.array(_given("cell", "gravity", CellDescription, keys["gravity"]))
             case ("object", "mass"):
-                mass: float = _given("cell.object", ObjectDescription, "mass", keys["object"]["mass"])
+                mass: float = _given("cell", "object.mass", ObjectDescription, keys["object"]["mass"])
                 changes["load"] = np.array([mass, *cell.load[1:]])
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
             case ("object", "velocity" | "acceleration" as key, *_):
-                rates: ObjectRates = _given("cell.object", ObjectDescription, key, keys["object"][key] or {})
+                rates: ObjectRates = _given("cell", f"object.{key}", ObjectDescription, keys["object"][key] or {})
                 changes[f"object_{key}_limit"] = rate_limits(rates)
             case ("robots", int(at), str(key), *_) if key in OF_ARM:
                 robot, given = cell.robots[at], keys["robots"][at][key]
                 where = f"robot '{robot.name}'"
                 if not isinstance(given, RigidTransform):
-                    given = _given(where, RobotDescription, key, {} if given is None else given)
+                    given = _given(where, key, RobotDescription, {} if given is None else given)
                 read = of_robots.setdefault(at, {})
                 read |= robot_values(where, key, given, vars(robot) | read, cell.wrench_components)
                 if all(other[3:4] == ("xyz",) for other in places.values() if other[:3] == place[:3]):
@@ -201,12 +201,11 @@ def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str,
     return places
 
 
-def _given(where: str, description: type[Record], key: str, value: object) -> Any:
+def _given(where: str, key: str, description: type[Record], value: object) -> Any:
     try:
-        return checked(description.model_fields[key], value)
+        return checked(description.model_fields[key.rpartition(".")[2]], value)
     except InputError as error:
-        where, _, before = where.partition(".")
-        raise error.inside(where, joined(before, key)) from None
+        raise error.inside(where, key) from None
 
 
 def cell_text(cell: Cell, path: Path | str | None) -> str:

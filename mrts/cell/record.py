@@ -142,7 +142,10 @@ class CellRecord:
     plane: Literal["xy", "xz", "yz"] | None
     wrench_components: tuple[str, ...]
     gravity: Annotated[Array, Shape(3, finite=True)]
-    load: Annotated[Array, Shape(len(LOAD_ENTRIES), finite=True, least=-LARGEST_NUMBER, most=LARGEST_NUMBER)]
+    load: Annotated[
+        Array,
+        Shape(len(LOAD_ENTRIES), finite=True, least=-LARGEST_NUMBER, most=LARGEST_NUMBER, entries=LOAD_ENTRIES),
+    ]
     load_box: LoadBox | None
     power_limit: Positive | None
     object_velocity_limit: Annotated[Array, Shape(2, least=SMALLEST_NUMBER)]

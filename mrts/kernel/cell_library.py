@@ -52,7 +52,7 @@ class CellLibrary:
         self.unknowns, self.wrenches = components * (self.robots - 1) + 1, components * self.robots
 
     def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
-        """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
+        """Evaluate a generated function at all samples; see `mrts.cell.generation.CellFunctions`."""
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
         outputs, sizes = dict[str, Array](), list[int]()

@@ -22,7 +22,7 @@ from mrts.base.regular_file import open_regular
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import manifest_of
-from mrts.cell.functions import CellFunctions
+from mrts.cell.generation import CellFunctions
 from mrts.cell.record import CellManifest, CellRecord
 from mrts.limits.rows import limit_name
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter

@@ -5,7 +5,7 @@ import numpy as np
 from mrts_codegen.generate import generate_cell
 
 from mrts.cell.cell import cell_of
-from mrts.cell.functions import CellFunctions
+from mrts.cell.generation import CellFunctions
 
 
 class CasadiFunctions(CellFunctions):

@@ -8,7 +8,7 @@ import json
 import math
 import operator
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache, partial
 from inspect import get_annotations
@@ -74,12 +74,18 @@ class Shape:
         finite: Whether its numbers are; else infinity is no limit.
         least: Of each number.
         most: Likewise.
+        entries: What they are, for messages.
     """
 
     def __init__(
-        self, *sizes: str | int, finite: bool = False, least: float = -math.inf, most: float = math.inf
+        self,
+        *sizes: str | int,
+        finite: bool = False,
+        least: float = -math.inf,
+        most: float = math.inf,
+        entries: Sequence[str] = (),
     ) -> None:
-        self.sizes, self.finite, self.least, self.most = sizes, finite, least, most
+        self.sizes, self.finite, self.least, self.most, self.entries = sizes, finite, least, most, entries
         self._ends = {side: end for side, end in (("at least", least), ("at most", most)) if math.isfinite(end)}
 
     def check(self, value: Any, letters: dict[str | int, int]) -> None:
@@ -94,7 +100,8 @@ class Shape:
         if given != sizes or not sound:
             what = "values" if is_tuple else "finite numbers" if self.finite else "numbers (infinity is no limit)"
             shape = f"({sizes[0]},)" if len(sizes) == 1 else f"({', '.join(map(str, sizes))})"
-            raise _broken(f"must be {what} with Shape {shape}", value if is_tuple else value.tolist())
+            entries = f": {', '.join(self.entries)}" if self.entries else ""
+            raise _broken(f"must be {what} with Shape {shape}{entries}", value if is_tuple else value.tolist())
         if self._ends and (wrong := np.argwhere((value < self.least) | (value > self.most))).size:
             rule = " and ".join(f"{side} {end:g}" for side, end in self._ends.items())
             place = wrong[0].tolist()
