@@ -53,7 +53,7 @@ CELL_FILE = "cell.yaml"
 
 SHAPING = (
     *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_text.py", "base/load_box.py"),
-    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/motors.py", "cell/points.py"),
+    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/points.py"),
     "cell/cell_file.py",
 )
 """Files of mrts that decide what a manifest says."""
