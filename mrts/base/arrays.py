@@ -46,7 +46,7 @@ def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
 
 def row_products(first: Array, second: Array) -> Array:
     """Scalar products row by row, of two of Shape (N, k): Shape (N,)."""
-    return np.asarray(np.einsum("nk,nk->n", first, second), dtype=np.float64)
+    return np.asarray((first * second).sum(axis=1), dtype=np.float64)
 
 
 def rotated(rotation: Array, vector: Array) -> Array:

@@ -46,6 +46,10 @@ IN_CHAINS = (
 )
 
 
+KNOWN_CELLS = 16
+"""Cells of which what is the same along any motion is kept, of those asked last: a call needs it a few times."""
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Cell(InNotebooks, MadeAgain, CellRecord):
     """A record of n arms and the object that they hold, ready to be asked; m joints in all.

@@ -244,7 +244,7 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
     sizes = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
     fits = sizes[3::2] <= np.maximum(share * sizes[2::2], REST_SLIP)
-    return bool((sizes[:2] <= np.reshape(gaps, (2, 1))).all() and fits.all())
+    return bool((sizes[:2] <= np.array(gaps)[:, None]).all() and fits.all())
 
 
 def _check_accelerations(cell: Cell, given: ObjectMotion, carried: list[ObjectMotion], where: str) -> None:

@@ -165,7 +165,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
         check_motion(cell, motion)  # an arm that could follow none is told of as such
         raise MotionError(failure.message)
     remarks = motion.remarks
-    for place in np.flatnonzero(tracked.outcome[0]["start"]).tolist():
+    for place in tracked.outcome[0]["start"].nonzero()[0].tolist():
         told = (
             f"robot '{cell.robots[place].name}' does not reach its grasp at t = 0 from its posture inside its joint "
             f"limits: it starts at the nearest positions that {FURTHER_STARTS} further starts led to."

@@ -119,11 +119,11 @@ def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: A
     Positions, velocities and accelerations are Shape (N, m), and (k, m) at k times between the first and the last.
     """
     q, dq, ddq = joints
-    start = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
+    start = (known.searchsorted(at, side="right") - 1).clip(0, len(known) - 2)
     end = start + 1
     step = (known[end] - known[start])[:, None]
     u = (at - known[start]) / step[:, 0]
-    ends = np.stack([dq[start], step * ddq[start], dq[end], step * ddq[end]])
+    ends = np.array([dq[start], step * ddq[start], dq[end], step * ddq[end]])
     way, rate, change = np.einsum("kcb,bkm->ckm", polynomial_weights(u), ends)
     missed = q[end] - q[start] - step * np.einsum("b,bkm->km", WHOLE_WAY, ends)
     return q[start] + step * way + u[:, None] * missed, rate, change / step

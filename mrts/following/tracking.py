@@ -16,6 +16,7 @@ along the path, give q' and q'' (kernel/c/tracking.c).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, cross, rotated
 from mrts.base.errors import MotionError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
-from mrts.cell.cell import Cell
+from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.kernel import tracking
 from mrts.kernel.binding import filled
@@ -190,7 +191,7 @@ class TrackedVariants:
     @property
     def followed(self) -> NDArray[np.bool_]:
         """Variants that all arms followed, Shape (V,)."""
-        return np.asarray(np.all(self.outcome["code"] == tracking.FOLLOWED, axis=1))
+        return np.asarray((self.outcome["code"] == tracking.FOLLOWED).all(axis=1))
 
     def of_arm(self, variant: int, arm: int) -> TrackingFailure | None:
         """Why an arm of a variant cannot follow; None if it does."""
@@ -215,7 +216,15 @@ def is_redundant(cell: Cell, robot: Robot) -> bool:
 
 
 def tracking_rule(cell: Cell) -> Any:
-    """How the arms of a cell hold their grasps and follow, as C reads it."""
+    """How the arms of a cell hold their grasps and follow, as C reads it, to be changed for a call."""
+    whole = _tracking_rule(cell)
+    rule = tracking.FOLLOWING.from_buffer_copy(whole)
+    rule.whole = whole  # what its pointers point at
+    return rule
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def _tracking_rule(cell: Cell) -> Any:
     lower, upper = map(cell.stacked, ("position_lower", "position_upper"))
     zone = np.clip(LIMIT_ZONE * (upper - lower), NARROWEST_ZONE, WIDEST_ZONE)
     task = filled(
@@ -359,7 +368,7 @@ def track_variants(
     found = follow_variants(library, rule, passed, {**given, "further": nothing})
     time = np.broadcast_to(path["time"], (len(refused), path["time"].shape[1]))
     tracked = TrackedVariants(cell.robots, time, *found, {})
-    failed = np.flatnonzero(~refused & ~tracked.followed)
+    failed = (~refused & ~tracked.followed).nonzero()[0]
     if not failed.size:
         return tracked
     tracked.reasons.update(_out_of_reach(cell, path, geometry, failed))

@@ -23,18 +23,14 @@ FUNCTION = re.compile(
 
 
 HEAD = object.__basicsize__
-"""Bytes of an array object before the pointer to its numbers, which is the first thing in it (numpy/ndarraytypes.h)."""
-
-
-def address(array: NDArray[Any]) -> ctypes.c_void_p:
-    """Where the numbers of an array lie, while it is there; `array.ctypes.data` took a tenth of a short call."""
-    return ctypes.c_void_p.from_address(id(array) + HEAD)
+"""Bytes of an array object before the pointer to its numbers, which is the first thing in it (numpy/ndarraytypes.h):
+`array.ctypes.data`, or a function for it, took a tenth of a short call."""
 
 
 def _address(value: object) -> object:
     """A pointer as ctypes passes it on: to the first entry of an array, to a structure, to nothing, or as given."""
     if isinstance(value, np.ndarray):
-        return ctypes.c_void_p.from_address(id(value) + HEAD)  # `address`, whose call would cost as much
+        return ctypes.c_void_p.from_address(id(value) + HEAD)
     return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
 
 
@@ -49,7 +45,7 @@ def _given(kind: Any) -> Any:
         if not isinstance(value, ARRAYS):
             return _address(value)
         array = np.ascontiguousarray(value, dtype=of)
-        found: Any = address(array)
+        found: Any = ctypes.c_void_p.from_address(id(array) + HEAD)
         if array is not value:
             found.array = array
         return found
@@ -117,7 +113,7 @@ def filled(kind: Any, **values: Any) -> Any:
     for name, of in kind.arrays.items():
         if values.get(name) is not None:
             kept.append(np.ascontiguousarray(values[name], dtype=of))
-            numbers[name] = address(kept[-1])
+            numbers[name] = ctypes.c_void_p.from_address(id(kept[-1]) + HEAD)
     made = kind(**numbers)
     made.kept = values, kept
     return made

@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.binding import address, keep_freed_memory, structure
+from mrts.kernel.binding import HEAD, keep_freed_memory, structure
 from mrts.kernel.c_text import SELDOM
 
 LIMITS, TERMS = (structure("rows.h", f"mrts_{name}") for name in ("limits", "terms"))
@@ -98,6 +98,7 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
 
 def pointers(arrays: Collection[Array]) -> Any:
     """An array of pointers to arrays, which it keeps alive."""
-    found: Any = (ctypes.c_void_p * len(arrays))(*map(address, arrays))
+    places = [ctypes.c_void_p.from_address(id(array) + HEAD) for array in arrays]
+    found: Any = (ctypes.c_void_p * len(arrays))(*places)
     found.kept = arrays
     return found

@@ -101,8 +101,7 @@ def projections(
     work = work_arrays(_library(), "mrts_project_batch", k, len(taken))
     given = count, k, all_rows, len(taken), taken, A, lower, upper, scale, *bounds
     _library().mrts_project_batch(*given, number, corners, status, *work)
-    taken_corners = np.flatnonzero(np.arange(CORNERS) < number[:, None])
-    return number, corners.reshape(-1, 2).take(taken_corners, axis=0), status
+    return number, corners[np.arange(CORNERS) < number[:, None]], status
 
 
 def half_planes(
@@ -168,4 +167,4 @@ def forward(
 
 
 def _segment_work(start: NDArray[np.int64]) -> Array:
-    return np.empty(8 * (int(np.diff(start).max()) + 1))
+    return np.empty(8 * (int((start[1:] - start[:-1]).max()) + 1))

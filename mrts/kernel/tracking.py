@@ -124,4 +124,4 @@ def closure_sizes(
     library.opened.mrts_closure(samples, given, strides, position, geometry, [*components], most)
     apart, turned, *rates = most.T
     # |R - S|² of two rotations is 8 sin² of half the angle between them
-    return np.stack([np.sqrt(apart), 2 * np.arcsin(np.minimum(np.sqrt(turned / 8), 1.0)), *rates])
+    return np.array([np.sqrt(apart), 2 * np.arcsin(np.minimum(np.sqrt(turned / 8), 1.0)), *rates])

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 from mrts.base.arrays import freeze
-from mrts.cell.cell import Cell
+from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_limits as of_cell
 from mrts.limits import motion_limits as of_motion

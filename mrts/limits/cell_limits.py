@@ -8,14 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, freeze
-from mrts.cell.cell import Cell
+from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.cell.hands import in_object_axes
 from mrts.cell.robot import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, joint_rows, object_axes, row_names, wrench_rows
-
-KNOWN_CELLS = 16
-"""Cells whose rows that are the same along any motion are kept, of those asked last: a call needs them a few times."""
 
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:

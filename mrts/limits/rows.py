@@ -316,7 +316,7 @@ class LimitRows:
         """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its group, or 1."""
         if self.size is not None:
             return self.size
-        sides = np.stack([np.abs(self.lower), np.abs(self.upper)])
+        sides = np.abs(np.array([self.lower, self.upper]))
         size = np.where(np.isfinite(sides), sides, 0.0).max(axis=0)
         zeros = (size == 0).nonzero()[0]
         if zeros.size:
@@ -377,7 +377,7 @@ class LimitRows:
         """Some of the rows; a column of the speed in which they have nothing is None."""
         if kept.all():
             return self
-        places = np.flatnonzero(kept)
+        places = kept.nonzero()[0]
         some: dict[str, Any] = {"names": tuple(compress(self.names, kept))}
         for name in COLUMNS:
             column = getattr(self, name)

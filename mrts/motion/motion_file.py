@@ -2,7 +2,6 @@
 """The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
 
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -155,7 +154,7 @@ def _sampled(description: MotionDescription) -> ObjectMotion:
     assert description.profile is not None and description.duration is not None  # noqa: S101, PT018 (no table)
     poses = description.waypoints or [description.start or Pose(), description.end or Pose()]
     through = np.array([pose.xyz for pose in poses]), np.array([pose.rotation() for pose in poses])
-    rates = waypoint_rates(*through) if description.waypoints else partial(geodesic_rates, *through)
+    rates = (waypoint_rates if description.waypoints else geodesic_rates)(*through)
     path = ProfiledPath(rates, PROFILES[description.profile], description.duration)
     time = np.linspace(0.0, 1.0, description.samples or DEFAULT_SAMPLES) * description.duration
     names = [f"waypoints[{index}]" for index in range(len(poses))] if description.waypoints else ["start", "end"]

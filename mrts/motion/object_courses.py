@@ -118,22 +118,27 @@ class PoseSplines:
         return position, rotation, np.hstack([velocity, rate]), np.hstack([acceleration, change])
 
 
-def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, fractions: Fractions) -> ObjectRates:
+def geodesic_rates(positions: Array, rotations: Array) -> Callable[[Array | float, Fractions], ObjectRates]:
     """Along a straight line and the geodesic rotation from one pose to another: one motion, or many that run alike.
 
     Start and end are Shape (…, 2, 3) [m] and (…, 2, 3, 3), durations Shape (…) [s]; found are position, rotation, twist
     and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
     """
-    s, ds, dds = (value[:, None] for value in fractions)
-    lead, samples = positions.shape[:-2], len(s)
     first, last = rotations[..., 0, :, :], rotations[..., 1, :, :]
     step = positions[..., 1:, :] - positions[..., :1, :]
-    turn = vectors_from_rotations(last @ np.swapaxes(first, -1, -2))[..., None, :]  # constant on the geodesic
-    direction = np.concatenate([step, turn], axis=-1)
-    turned = rotations_from_vectors(s * turn).reshape(*lead, 3 * samples, 3)
+    turn = vectors_from_rotations(last @ np.swapaxes(first, -1, -2))[..., None, :]  # world axes, all along the geodesic
+    return partial(_along_geodesic, positions[..., :1, :], first, np.concatenate([step, turn], axis=-1))
+
+
+def _along_geodesic(
+    start: Array, first: Array, direction: Array, duration: Array | float, fractions: Fractions
+) -> ObjectRates:
+    s, ds, dds = (value[:, None] for value in fractions)
+    lead, samples = start.shape[:-2], len(s)
+    turned = rotations_from_vectors(s * direction[..., 3:]).reshape(*lead, 3 * samples, 3)
     T = np.asarray(duration, dtype=np.float64)[..., None, None]
     return (
-        positions[..., :1, :] + s * step,
+        start + s * direction[..., :3],
         (turned @ first).reshape(*lead, samples, 3, 3),
         ds / T * direction,
         dds / T**2 * direction,

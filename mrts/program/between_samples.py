@@ -192,7 +192,7 @@ def _overstepped(looked: Looked, ends: tuple[float, float]) -> tuple[NDArray[np.
     rows, known = looked
     c2 = np.reshape(ends, (2, 1))
     above, below = known.lower > c2, known.upper < c2
-    beyond = np.stack([above[0], below[1]]) | (known.gaps & (above | below))
+    beyond = np.array([above[0], below[1]]) | (known.gaps & (above | below))
     side, places = np.nonzero(beyond & np.isfinite(c2))
     share = motion_widening(rows, c2[side, 0], _loads(known, side, places), places + 1)
     return side, places, share
@@ -202,7 +202,7 @@ def _worse(
     worst: Excess, known: SampleRanges, side: NDArray[np.intp], places: NDArray[np.intp], share: Array
 ) -> Excess:
     """The worst of `_overstepped`, if it is more."""
-    if np.max(share, initial=0.0) <= worst.share:
+    if share.max(initial=0.0) <= worst.share:
         return worst
     most = int(np.argmax(share))
     place = int(places[most])
@@ -228,8 +228,8 @@ def _doubtful(known: SampleRanges, allowed: tuple[float, float] | None, *, every
         return np.arange(len(known.time) - 1)
     if allowed is None:
         return np.zeros(0, dtype=np.intp)
-    beyond = np.any(_possible_rises(known) > np.reshape(allowed, (2, 1)), axis=0)
-    return np.flatnonzero(beyond & (np.diff(known.time) > RESOLUTION * known.time[-1]))
+    beyond = (_possible_rises(known) > np.array(allowed)[:, None]).any(axis=0)
+    return (beyond & (known.time[1:] - known.time[:-1] > RESOLUTION * known.time[-1])).nonzero()[0]
 
 
 def _possible_rises(known: SampleRanges) -> Array:
@@ -239,13 +239,14 @@ def _possible_rises(known: SampleRanges) -> Array:
     times the change of slope around it.
     """
     with np.errstate(divide="ignore"):
-        both = np.stack([1 / known.upper, known.lower])
-    step = np.diff(known.time)
-    change = np.abs(np.diff(np.diff(both) / step))
+        both = np.array([1 / known.upper, known.lower])
+    step = known.time[1:] - known.time[:-1]
+    slope = (both[:, 1:] - both[:, :-1]) / step
+    change = np.abs(slope[:, 1:] - slope[:, :-1])
     if len(step) == 1:
         return np.full((2, 1), np.inf)
     around = np.concatenate([change[:, :1], change], axis=1) + np.concatenate([change, change[:, -1:]], axis=1)
-    rises: Array = np.maximum(both[:, :-1], both[:, 1:]) + step * around / 4 - np.max(both, axis=1, keepdims=True)
+    rises: Array = np.maximum(both[:, :-1], both[:, 1:]) + step * around / 4 - both.max(axis=1, keepdims=True)
     return rises
 
 
@@ -267,7 +268,7 @@ def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[N
         places, share = found[own], shares[own]
         if not np.isfinite(c2):
             added |= {int(np.argmin(order))} if np.isfinite(np.min(order)) else set()
-        elif np.max(share, initial=0.0) > left.tolerance:
+        elif share.max(initial=0.0) > left.tolerance:
             added.add(int(places[np.argmin(order[places])]))
             if known.several:
                 added.add(int(places[np.argmax(share)]))

@@ -257,8 +257,8 @@ def motion_widening(
 
 def _passed_caps(rows: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:
     """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,)."""
-    if rows.rows.square is None or not np.any(rows.is_cap):
+    if rows.rows.square is None or not rows.is_cap.any():
         return np.zeros(len(samples))
     lower, upper, size = rows.rows.lower[rows.is_cap], rows.rows.upper[rows.is_cap], rows.given.units[rows.is_cap]
-    value = rows.rows.square[np.ix_(samples, rows.is_cap)] * c2[:, None]
-    return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))
+    value = rows.rows.square[samples[:, None], rows.is_cap.nonzero()[0]] * c2[:, None]
+    return np.asarray((np.maximum(value - upper, lower - value) / size).max(axis=1, initial=0.0))

@@ -69,9 +69,9 @@ def motor_terms(cell: Cell, motion: CoordinatedMotion) -> MotorTerms | None:
     return MotorTerms(
         square=armature * motion.ddq,
         rate=armature * motion.dq,
-        speed=viscous * motion.dq if np.any(viscous) else None,
+        speed=viscous * motion.dq if viscous.any() else None,
         dry=coulomb * (before + after) / 2,
-        turning=coulomb * turns if np.any(turns) else None,
+        turning=coulomb * turns if turns.any() else None,
     )
 
 
@@ -89,7 +89,7 @@ def travel_directions(motion: CoordinatedMotion) -> Array:
     leaving = np.where(change > REST * change.max(), np.sign(ddq), 0.0)
     before, after = np.where(moving == 0, -leaving, moving), np.where(moving == 0, leaving, moving)
     before[0], after[-1] = after[0], before[-1]
-    return np.stack([before, after])
+    return np.array([before, after])
 
 
 CAPS_TIE = 2e-7
@@ -271,13 +271,13 @@ def motion_rows(
     if given.speed is not None or given.square is not None:
         alone, by_speed = given.is_of_speed, moved(given.speed, len(size))
         mixed = by_speed & (~alone | moved(given.square, len(size)))
-        places = np.flatnonzero(alone & ~mixed)
+        places = (alone & ~mixed).nonzero()[0]
         rows, square = _in_squares(given, size, places)
-        if np.any(mixed) and given.speed is not None:
+        if mixed.any() and given.speed is not None:
             rows = replace(rows, speed=given.speed * mixed)
         unit = np.where(by_speed & ~mixed, size / 2, size)
         least, most = rows.lower[places], rows.upper[places]
-        passed = np.any(square > 0, axis=0) & (most <= 0) | np.any(square < 0, axis=0) & (least >= 0)
+        passed = (square > 0).any(axis=0) & (most <= 0) | (square < 0).any(axis=0) & (least >= 0)
         caps = (least <= 0) & (most >= 0) & ~passed
         is_cap[places] = caps
         share = side_share(square[:, caps], least[caps], most[caps])
@@ -309,7 +309,7 @@ def _in_squares(given: LimitRows, size: Array, places: NDArray[np.int_]) -> tupl
         least = np.where(alike, -np.inf, np.where(of_speed, least * np.abs(least), least))
         most = np.where(of_speed, most * np.abs(most), most)
     magnitude = np.abs(part)
-    part[magnitude <= SQUARE_AT_REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
+    part[magnitude <= SQUARE_AT_REST * magnitude.max(axis=0, initial=0.0)] = 0.0
     lower, upper, square = given.lower.copy(), given.upper.copy(), np.zeros((len(given.names), len(part))).T
     if given.square is not None:
         square[:] = given.square

@@ -74,7 +74,7 @@ def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     found = np.zeros(len(most), dtype=range_record(rows.cell.library.unknowns))
     name = "mrts_speed_ranges" if rows.has_speed_terms else "mrts_ranges"
     rows.over_samples(name, [np.minimum(most, INFINITY)], [found], load=load)
-    basis, dual = (np.swapaxes(found[of], 0, 1) for of in ("basis", "dual"))
+    basis, dual = (found[of].swapaxes(0, 1) for of in ("basis", "dual"))
     (lower, upper), duals = found["end"].T, _duals_of_bases(rows, basis, dual)
     return RangeEnds(lower, upper, duals, found["status"].max(axis=1), found["gap"], found["effect"])
 
@@ -85,11 +85,13 @@ def _duals_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np
     It has the r rows that are no caps; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
     """
     count, kept, size = len(rows.given.names), (~rows.is_cap).nonzero()[0], np.abs(dual)
-    binds_there = (size > BINDING_TOLERANCE * size.max(axis=2, initial=0.0, keepdims=True)) & (basis != 0)
-    binds_there &= (np.abs(basis) <= len(kept)) | (basis < 0)
-    place = np.append(kept, count)[np.clip(np.abs(basis) - 1, 0, len(kept))]
+    most = len(kept) + rows.cell.library.unknowns + 1
+    place_of = np.full(2 * most + 1, count + 1)  # by codes, negative ones from the end on
+    end = len(place_of) - len(kept)
+    place_of[1 : len(kept) + 1], place_of[most + 1 : end], place_of[end:] = kept, count, kept[::-1]
+    strong = size > BINDING_TOLERANCE * size.max(axis=2, initial=0.0, keepdims=True)
     duals = np.zeros((2, len(rows.most), count + 2), dtype=np.float32)
-    np.put_along_axis(duals, np.where(binds_there, place, count + 1), np.copysign(size, basis), axis=2)
+    np.put_along_axis(duals, np.where(strong, place_of[basis], count + 1), np.copysign(size, basis), axis=2)
     return duals[:, :, :-1]
 
 
@@ -106,8 +108,8 @@ def with_caps(ends: RangeEnds, is_cap: NDArray[np.bool_], cap_share: Array, squa
     if square is None:
         return ends
     at_cap = np.isfinite(ends.upper) & (ends.upper >= (1 - BINDING_TOLERANCE) * largest_square(cap_share))
-    sample, cap = np.nonzero(at_cap[:, None] & binds(cap_share))
-    row = np.flatnonzero(is_cap)[cap]
+    sample, cap = (at_cap[:, None] & binds(cap_share)).nonzero()
+    row = is_cap.nonzero()[0][cap]
     ends.duals[1, sample, row] = np.copysign(np.inf, square[sample, row])
     return ends
 

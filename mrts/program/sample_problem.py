@@ -246,13 +246,14 @@ def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varyin
     by_rate = None
     if varying:
         dq, twist = inputs["dq"], inputs["object_twist"]
-        still = {"dq": np.zeros_like(dq), "object_twist": np.zeros_like(twist), "ddq": dq, "object_acceleration": twist}
+        still = {"dq": np.zeros(dq.shape[1]), "object_twist": np.zeros(6), "ddq": dq, "object_acceleration": twist}
         by_rate = _maps(cell, name, count, inputs | still, varying=False)
     for key, value in found.items():
         if key.endswith("_map"):
             found[key] = value.reshape(count, -1, unknowns)
-            if by_rate is not None:
-                found[key] = np.insert(found[key], -1, by_rate[key][:, :, -1], axis=2)
+            if by_rate is not None:  # maps lie in memory by columns
+                ours, theirs = found[key].transpose(0, 2, 1), by_rate[key].transpose(0, 2, 1)
+                found[key] = np.concatenate([ours[:, :-1], theirs[:, -1:], ours[:, -1:]], axis=1).transpose(0, 2, 1)
     return found
 
 
@@ -289,10 +290,11 @@ def _rows_of_maps(
     count, _, unknowns = maps["torque_map"].shape
     A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
     M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
-    A[:, moves], offset[:, moves] = M_torque @ maps["torque_map"], maps["torque_offset"] @ M_torque.T
+    moved_by_forces, given = _over_samples(M_torque, maps["torque_map"]), maps["torque_offset"] @ M_torque.T
     if M_wrench.any():
-        A[:, moves] += M_wrench @ maps["wrench_map"]
-        offset[:, moves] += maps["wrench_offset"] @ M_wrench.T
+        moved_by_forces = moved_by_forces + _over_samples(M_wrench, maps["wrench_map"])
+        given = given + maps["wrench_offset"] @ M_wrench.T
+    A[:, moves], offset[:, moves] = moved_by_forces, given
     if rows.object_matrix is not None and rows.object_axes is not None:
         moved = rows.object_matrix.any(axis=1)
         A[:, moved] += rows.object_matrix[moved] @ turned(rows.object_axes, maps["wrench_map"])
@@ -306,7 +308,15 @@ def _rows_of_maps(
     inward = None if motors is None else motors.margin(rows)
     margin = np.zeros(1) if inward is None else inward
     lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
-    return {"A": A / size[:, None], "lower": lower, "upper": upper}
+    A /= size[:, None]
+    return {"A": A, "lower": lower, "upper": upper}
+
+
+def _over_samples(matrix: Array, maps: Array) -> Array:
+    """A matrix, Shape (r, s), times the maps of all samples, Shape (N, s, k), which lie by columns: one product."""
+    by_column = maps.transpose(0, 2, 1)
+    found: Array = (by_column.reshape(-1, by_column.shape[2]) @ matrix.T).reshape(*by_column.shape[:2], -1)
+    return found.transpose(0, 2, 1)
 
 
 def _check_invertible(cell: Cell, motion: CoordinatedMotion, samples: NDArray[np.int_]) -> None:

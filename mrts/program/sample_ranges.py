@@ -216,17 +216,17 @@ def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
     """Ranges at the samples of both along one motion, in the order of time, without what conflicts."""
     whole: dict[str, Any] = {}
     for name in AT_SAMPLES:
-        whole[name] = np.append(getattr(first, name), getattr(other, name))
+        whole[name] = np.concatenate([getattr(first, name), getattr(other, name)])
     if first.loads is not None and other.loads is not None:
         whole["loads"] = tuple((*ours, *theirs) for ours, theirs in zip(first.loads, other.loads, strict=True))
     duals = np.concatenate([first.duals, other.duals], axis=1)
-    return replace(first, duals=duals, **whole).at(np.argsort(whole["time"], kind="stable"))
+    return replace(first, duals=duals, **whole).at(whole["time"].argsort(kind="stable"))
 
 
 def first_least(values: Array) -> Any:
     """Place of the least value along the first axis, the first of those that differ by rounding only."""
     least = values.min(axis=0)
-    return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
+    return (values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0))).argmax(axis=0)
 
 
 def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:

@@ -181,7 +181,7 @@ class ScalingRange:
 def intersect(samples: SampleRanges) -> ScalingRange:
     """Eq. (30): the intersection of the ranges of all samples (step 2 of MMTSF)."""
     at_low, at_high = int(first_least(-samples.lower)), int(first_least(samples.upper))
-    low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
+    low, high = float(samples.lower.max()), float(samples.upper.min())
     ends = []
     for side, sample, c2 in zip(SIDES, (at_low, at_high), (low, high), strict=True):
         rows, load = partial(samples.all_binding, sample, side), samples.load_at(sample, side)

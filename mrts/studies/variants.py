@@ -348,7 +348,7 @@ class VariantBatch:
         ends = np.broadcast_to(numbers["ends"], (count, 2, 2, 3))
         duration = np.where(refused, 1.0, np.broadcast_to(numbers["duration"], count))
         profile = PROFILES[self._study.motion["profile"]](u)
-        rates = geodesic_rates(ends[:, :, 0], rotations_from_rpy(ends[:, :, 1]), duration, profile)
+        rates = geodesic_rates(ends[:, :, 0], rotations_from_rpy(ends[:, :, 1]))(duration, profile)
         return dict(zip(PATH, (duration[:, None] * u, *rates), strict=True))
 
     def _limits(self, numbers: Mapping[str, Array]) -> dict[str, Array]:

@@ -161,7 +161,8 @@ def _likely_speed(
     probes = moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
     scale = np.ones((len(probes), problem.unknowns))
     scale[:, -2] /= effect[probes]
-    bound = np.tile([BOX, 0.0], (len(probes), 1))
+    bound = np.zeros((len(probes), 2))
+    bound[:, 0] = BOX
     some = problem.A[probes], problem.lower[probes], problem.upper[probes]
     number, corners, _ = projections(*some, scale, (-bound, bound), rows)
     largest = np.ones(len(probes))
@@ -292,9 +293,9 @@ def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) 
         step: Length of each segment, Shape (n - 1,).
     """
     times, rise = segment_times(step, found.x, found.rise), _rises(step, found.x)
-    lasts = float(np.sum(times))
+    lasts = float(times.sum())
     lost = times * np.abs(rise) * step / (found.x[1:] + found.x[:-1])
-    if SUMMED * len(step) * float(np.sum(lost)) < WORTH * lasts:
+    if SUMMED * len(step) * float(lost.sum()) < WORTH * lasts:
         return found
     for _ in range(MOST_PASSES):
         faster = fastest_profile(step, found.regions, ends, rise)
@@ -310,8 +311,8 @@ def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) 
 
 def _rises(step: Array, x: Array) -> Array:
     """By how much s̈ rises along each segment, from its means on this one and both beside it, Shape (n - 1,)."""
-    u, rise = np.diff(x) / (2 * step), np.zeros_like(step)
-    slope = 2 * np.diff(u) / (step[1:] + step[:-1])
+    u, rise = (x[1:] - x[:-1]) / (2 * step), np.zeros(len(step))
+    slope = 2 * (u[1:] - u[:-1]) / (step[1:] + step[:-1])
     before, after = slope[:-1], slope[1:]
     lesser = np.where(np.abs(before) < np.abs(after), before, after)
     most = MOST_RISE * median(np.abs(u))

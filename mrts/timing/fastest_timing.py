@@ -124,7 +124,7 @@ class _Search:
 
     def _regions(self) -> SpeedRegions:
         """The admissible speeds at all samples; where the path is that of the timing before, they are known."""
-        length, before = float(np.sum(self.piece.step)), self.before
+        length, before = float(self.piece.step.sum()), self.before
         known = before and before.part_along(self.piece, self.motion)
         profile = before.pieces[known[0]].profile if before and known else None
         if not known or profile is None:
@@ -145,11 +145,11 @@ class _Search:
             return RetimingStatus.UNBOUNDED, why, None
         times = segment_times(self.piece.step, found.x, found.rise)
         stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
-        if not np.any(stuck):
+        if not stuck.any():
             rises = not self.rows.has_speed_terms
             profile = rising_profile(found, self.piece.step, self.ends) if rises else found
-            mean, half = np.diff(profile.x) / (2 * self.piece.step), profile.rise / 2
-            rates = np.column_stack([mean - half, mean + half])
+            mean, half = (profile.x[1:] - profile.x[:-1]) / (2 * self.piece.step), profile.rise / 2
+            rates = np.array([mean - half, mean + half]).T
             return TimedPiece(piece=self.piece, x=profile.x, rates=rates, profile=profile)
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
         upper = self.asked.factor.range.upper

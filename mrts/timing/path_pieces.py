@@ -115,13 +115,13 @@ def path_pieces(cell: Cell, motion: CoordinatedMotion) -> list[PathPiece]:
         InputError: If numbers of floating point do not hold the path.
     """
     speed = root_mean_square(motion.dq)
-    fastest = float(np.max(speed))
+    fastest = float(speed.max())
     rest = speed <= REST * fastest
-    if np.all(rest):
+    if rest.all():
         raise PathError("neither the object nor a joint moves: the path has no length.", "zero length")
-    for wait in np.flatnonzero(rest[1:] & rest[:-1])[:1].tolist():
+    for wait in (rest[1:] & rest[:-1]).nonzero()[0][:1].tolist():
         raise _stationary(motion, wait, *WAIT)
-    cuts = [0, *(np.flatnonzero(rest[1:-1]) + 1).tolist(), motion.samples - 1]
+    cuts = [0, *(rest[1:-1].nonzero()[0] + 1).tolist(), motion.samples - 1]
     return [_piece(cell, motion, (first, last), speed, rest) for first, last in pairwise(cuts)]
 
 
@@ -140,24 +140,25 @@ def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> Coordin
 def _piece(
     cell: Cell, motion: CoordinatedMotion, ends: tuple[int, int], all_speeds: Array, rest: NDArray[np.bool_]
 ) -> PathPiece:
-    (first, last), fastest = ends, np.max(all_speeds)
+    (first, last), fastest = ends, all_speeds.max()
     part = slice(first, last + 1)
     given, speed, q, dq, ddq = motion.object, all_speeds[part], motion.q[part], motion.dq[part], motion.ddq[part]
     moves = speed > NEAR_REST * fastest
-    if not np.any(moves):
+    if not moves.any():
         moves = speed > REST * fastest
-    if not np.any(moves):
+    if not moves.any():
         raise _stationary(motion, first, *WAIT)
     growth = row_products(dq, ddq) / q.shape[1] / np.where(speed > 0, speed, 1.0)
     for place, sign in ((0, 1.0), (-1, -1.0)):
         if rest[part][place]:
             growth[place] = sign * np.sqrt(np.mean(ddq[place] ** 2))
-    h = np.diff(given.time[part])
+    time = given.time[part]
+    h = time[1:] - time[:-1]
     step = h / 2 * (speed[:-1] + speed[1:]) + h**2 / 12 * (growth[:-1] - growth[1:])
 
-    away = np.concatenate([[0.0], np.cumsum(step)])
-    moving, continued = np.flatnonzero(moves), np.flatnonzero(~moves)
-    after = np.searchsorted(moving, continued)
+    away = np.append(0.0, step).cumsum()
+    (moving,), (continued,) = moves.nonzero(), (~moves).nonzero()
+    after = moving.searchsorted(continued)
     before, after = moving[np.maximum(after - 1, 0)], moving[np.minimum(after, len(moving) - 1)]
     of = np.where(np.abs(continued - before) <= np.abs(after - continued), before, after)
     safe = np.where(moves, speed, 1.0)[:, None]
@@ -175,12 +176,12 @@ def _piece(
     # with a course velocities near rest are a spline's, the positions are what was given
     exact = arcs > 0 if motion.course is not None else moves[:-1] & moves[1:]
     step = np.where(exact, arcs, step)
-    s = np.concatenate([[0.0], np.cumsum(step)])
+    s = np.append(0.0, step).cumsum()
     back = (row_products(direction[1:], direction[:-1]) <= 0) | (step <= 0)
-    if np.any(back):
+    if back.any():
         cure = "it stops between two samples. Give a sample at the turning point"
         raise _stationary(motion, first + int(np.argmax(back)), "turns back on itself", cure)
-    if not (np.all(np.diff(s) > 0) and np.all(np.isfinite(np.column_stack([s, bend, change])))):
+    if not ((s[1:] > s[:-1]).all() and np.isfinite(s).all() and np.isfinite([bend.sum(), change.sum()]).all()):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
     carried = unchecked_object_motion(s, given.position[part], given.rotation[part], turning, change)

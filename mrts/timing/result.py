@@ -188,7 +188,7 @@ class RetimingResult(Result):
         """`factor` with its torques."""
         return with_torques(self.factor)
 
-    @property
+    @cached_property
     def duration(self) -> float | None:
         """Of the fastest timing [s]; None without one."""
         return float(new_times(self.pieces)[-1]) if self.pieces else None

@@ -111,7 +111,7 @@ def smooth_parts(pieces: Sequence[TimedPiece]) -> list[SmoothPiece]:
 
 def new_times(pieces: Sequence[TimedPiece]) -> Array:
     """Times of all samples of a path in pieces, Shape (N,) [s]."""
-    times: Array = np.cumsum(np.concatenate([[0.0], *(part.segment_times for part in pieces)]))
+    times: Array = np.concatenate([[0.0], *[part.segment_times for part in pieces]]).cumsum()
     return times
 
 
@@ -128,7 +128,7 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
         played.append((*_played(path, part.x, at_samples), *travel_directions(path)))
     dq, ddq, twist, acceleration, *travel = map(_joined, zip(*played, strict=True))
     carried = motion.object.played(new_times(pieces), twist, acceleration)
-    return unchecked_coordinated_motion(carried, motion.q, dq, ddq, np.stack(travel))
+    return unchecked_coordinated_motion(carried, motion.q, dq, ddq, np.array(travel))
 
 
 def smooth_torques(pieces: Sequence[TimedPiece]) -> tuple[Array, Array]:
