@@ -27,36 +27,32 @@ HEAD = object.__basicsize__
 `array.ctypes.data`, or a function for it, took a tenth of a short call."""
 
 
-def _address(value: object) -> object:
-    """A pointer as ctypes passes it on: to the first entry of an array, to a structure, to nothing, or as given."""
-    if isinstance(value, np.ndarray):
-        return ctypes.c_void_p.from_address(id(value) + HEAD)
-    return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
-
-
 ARRAYS = (np.ndarray, list)
 
 
-def _given(kind: Any) -> Any:
-    """The type of parameters that point at numbers that C reads: what is given is made an array of these."""
-    of = np.dtype(kind)
+def _caller(function: Any, result: Any, kinds: list[Any]) -> Callable[..., Any]:
+    """A function of C by the kinds of its parameters; arrays and structures may be given for pointers.
 
-    def read(value: object) -> object:
-        if not isinstance(value, ARRAYS):
-            return _address(value)
-        array = np.ascontiguousarray(value, dtype=of)
-        found: Any = ctypes.c_void_p.from_address(id(array) + HEAD)
-        if array is not value:
-            found.array = array
-        return found
+    A kind is a number's type, the dtype of numbers that C reads, which what is given is made an array of, or None for
+    other pointers.
+    """
+    function.restype = result
+    function.argtypes = [ctypes.c_void_p if of is None or isinstance(of, np.dtype) else of for of in kinds]
 
-    return type("Given", (), {"from_param": staticmethod(read)})
+    def call(*given: Any) -> Any:
+        arrays = [
+            np.ascontiguousarray(value, dtype=of) if isinstance(of, np.dtype) and isinstance(value, ARRAYS) else value
+            for value, of in zip(given, kinds, strict=True)
+        ]
+        places = [
+            ctypes.byref(value)
+            if isinstance(value, ctypes.Structure)
+            else (ctypes.c_void_p.from_address(id(value) + HEAD) if isinstance(value, np.ndarray) else value)
+            for value in arrays
+        ]
+        return function(*places)
 
-
-ADDRESS: Any = type("Address", (), {"from_param": staticmethod(_address)})
-"""The type of other parameters that are pointers."""
-
-GIVEN: Any = {name: _given(kind) for name, kind in NUMBERS.items()}
+    return call
 
 
 def bind(library: ctypes.CDLL, files: tuple[str, ...]) -> ctypes.CDLL:
@@ -66,8 +62,7 @@ def bind(library: ctypes.CDLL, files: tuple[str, ...]) -> ctypes.CDLL:
         AttributeError: If it lacks a function.
     """
     for name, result, parameters in _declared(files):
-        function = getattr(library, name)
-        function.restype, function.argtypes = result, parameters
+        setattr(library, name, _caller(library[name], result, parameters))
     return library
 
 
@@ -79,7 +74,8 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
         kinds = []
         for one in given:
             constant, kind, pointer = re.findall(r"(const )?(\w[\w ]*?) (?=(\*|\w+\[)?)\S+$", one.strip())[0]
-            kinds.append((GIVEN if constant and pointer else {} if pointer else NUMBERS).get(kind, ADDRESS))
+            number = NUMBERS.get(kind)
+            kinds.append(number if not pointer else np.dtype(number) if constant and number else None)
         found.append((name, NUMBERS.get(ours or exported), kinds))
     return found
 

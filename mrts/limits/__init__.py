@@ -58,7 +58,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 
-@lru_cache(maxsize=of_cell.KNOWN_CELLS)
+@lru_cache(maxsize=KNOWN_CELLS)
 def fixed_rows(cell: Cell) -> LimitRows:
     """The first rows of `limit_rows`, the same along any motion, but for a reserve."""
     rows = stack_rows([of_cell.torque_limits(cell), of_cell.wrench_limits(cell)]).bounded()

@@ -75,6 +75,7 @@ def _velocity_sides(cell: Cell) -> LimitRows:
     return rows
 
 
+@lru_cache(maxsize=KNOWN_CELLS)
 def curve_rows(cell: Cell) -> tuple[list[RowName], NDArray[np.intp], Array, Array]:
     """The rows of all torque-speed curves of a cell, joint by joint: |τ| <= limit - slope |q̇|, then |q̇| <= limit.
 
@@ -99,9 +100,9 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     A line holds while the motor drives, where τ and q̇ have one sign: -a <= τ + m q' ṙ <= a. Where it brakes that
     leaves more than the plain limit of the torque, which is a limit of its own.
     """
-    if all(curve is None for robot in cell.robots for curve in robot.motors.torque_speed):
-        return None
     names, joint, limit, slope = curve_rows(cell)
+    if not names:
+        return None
     of_torque = np.isfinite(slope)
     matrix = of_torque[:, None] * np.eye(motion.q.shape[1])[joint]
     speed = np.where(of_torque, slope, 1.0) * motion.dq[:, joint]

@@ -229,7 +229,7 @@ def _doubtful(known: SampleRanges, allowed: tuple[float, float] | None, *, every
     if allowed is None:
         return np.zeros(0, dtype=np.intp)
     beyond = (_possible_rises(known) > np.array(allowed)[:, None]).any(axis=0)
-    return (beyond & (known.time[1:] - known.time[:-1] > RESOLUTION * known.time[-1])).nonzero()[0]
+    return np.flatnonzero(beyond & (known.time[1:] - known.time[:-1] > RESOLUTION * known.time[-1]))
 
 
 def _possible_rises(known: SampleRanges) -> Array:

@@ -10,7 +10,7 @@ from random_programs import cell_programs, hard_programs
 from reference import highs_minimum
 
 import mrts
-from mrts.kernel.binding import address
+from mrts.kernel.cell_library import pointers
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, solve_batch
 from mrts.program.solvers import ConvexPrograms, optimality_error, solve_programs
 
@@ -178,7 +178,7 @@ def test_numbers_lie_where_numpy_says():
     whole = np.arange(6.0)
     whole.setflags(write=False)
     for array in (whole, whole[2:], np.zeros(0), np.zeros((3, 2), dtype=np.int32)):
-        assert address(array).value == array.ctypes.data
+        assert pointers([array])[0] == array.ctypes.data
 
 
 def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
