@@ -51,14 +51,6 @@ CELL_FILE = "cell.yaml"
 """What `mrts new` and `mrts demo` call a cell file."""
 
 
-SHAPING = (
-    *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_text.py", "base/load_box.py"),
-    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/points.py"),
-    "cell/cell_file.py",
-)
-"""Files of mrts that decide what a manifest says."""
-
-
 class CellFunctions:
     """Callable by short name; see the manifest for inputs, outputs and shapes.
 
@@ -248,9 +240,9 @@ def is_as_made(path: Path, record: CellRecord) -> bool:
 
 @cache
 def emitter_key() -> str:
-    """Hash of what reads cells and emits functions: mrts_codegen and CasADi's version."""
-    package = Path(version.__file__).parents[1]
-    shaping = [source for pattern in SHAPING for source in package.glob(pattern)]
+    """Hash of what reads cells and emits functions: our own files and CasADi's version."""
+    base = Path(version.__file__).parent
+    shaping = [*base.rglob("*.py"), *base.with_name("cell").glob("*.py")]
     folder = _package_folder("mrts_codegen")
     ours = [source for source in folder.rglob("*.py") if source.parent.name != "embedded"]
     casadi = sorted(path.name for path in _package_folder("casadi").parent.glob("casadi-*"))  # with its version

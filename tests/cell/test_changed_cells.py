@@ -3,7 +3,6 @@
 import shutil
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -119,8 +118,3 @@ def test_two_folders_with_one_text_and_two_urdfs_are_two_cells(copied):
     limit(other)
     before = reach(one)
     assert [reach(other), reach(one), reach(other)] == [REACH, before, REACH]
-
-
-def test_whatever_decides_what_a_manifest_says_is_in_its_key():
-    package = Path(mrts.__file__).parent
-    assert [pattern for pattern in generation.SHAPING if not list(package.glob(pattern))] == []
