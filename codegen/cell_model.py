@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from mrts_codegen.joint_limits import add_joint_limits
-from mrts_codegen.object_shape import build_object, build_surroundings, check_contact_normals
+from mrts_codegen.object_shape import build_object, check_contact_normals, mesh_surfaces
 from mrts_codegen.urdf.held_joints import check_machines, held_positions
 from mrts_codegen.urdf.robot_model import BuiltRobot, Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
@@ -29,7 +29,7 @@ from mrts.cell.cell_file import (
     robot_values,
 )
 from mrts.cell.points import RATES, ArmPointLimit, point_names, rate_limits
-from mrts.cell.record import NOTICE, CellManifest, CellRecord
+from mrts.cell.record import NOTICE, CellManifest, CellRecord, MeshSurface
 from mrts.cell.robot import Robot, RobotSource, check_plane_kept
 
 PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
@@ -121,10 +121,12 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
             built.append(build_robot(path, index, robot, description.plane, folder, lenient=lenient))
     with mistakes.noted():
         surfaces, inertia, of_object = build_object(path, folder, carried)
+    around = dict[str, MeshSurface]()
     with mistakes.noted():
-        surroundings, around = build_surroundings(
-            path, folder, description.surroundings, [robot.name for robot in description.robots]
-        )
+        taken = ["object", *(robot.name for robot in description.robots)]
+        surroundings = _named(path, "surroundings", description.surroundings, "obstacle", taken)
+        for at, shape in enumerate(surroundings):
+            around |= mesh_surfaces(path, folder, shape, f"surroundings[{at}]")[0]
     mistakes.raise_noted()
     remarks = [*of_object, *check_contact_normals(path, description.robots, carried.shape, surfaces)]
     remarks += [remark for arm in built for remark in (*arm.model.remarks, *arm.remarks)]
@@ -138,8 +140,8 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         power_limit=description.power,
         object_velocity_limit=rate_limits(carried.velocity),
         object_acceleration_limit=rate_limits(carried.acceleration),
-        object_points=_named(path, "object.frames", carried.frames, "point"),
-        carried=_named(path, "object.carries", carried.carries, "thing"),
+        object_points=_named(path, "object.frames", carried.frames, "point", [*RATES]),
+        carried=_named(path, "object.carries", carried.carries, "thing", [*RATES]),
         object_shape=carried.shape,
         surroundings=surroundings,
         surfaces=surfaces | around,
@@ -262,7 +264,7 @@ def _check_names(path: Path, key: str, names: Sequence[str], taken: Sequence[str
             raise InputError(path, rule, key=f"{key}[{index}].name", value=name)
 
 
-def _named(path: Path, key: str, given: list[Any], default: str) -> tuple[Any, ...]:
+def _named(path: Path, key: str, given: list[Any], default: str, taken: Sequence[str]) -> tuple[Any, ...]:
     names = point_names(given, default)
-    _check_names(path, key, names, [*RATES])
+    _check_names(path, key, names, taken)
     return tuple(one.model_copy(update={"name": name}) for one, name in zip(given, names, strict=True))

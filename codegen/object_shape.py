@@ -16,8 +16,7 @@ from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, packed_s
 from mrts.base.input_file import LARGEST_NUMBER, FileReference
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.cell.cell_file import ObjectDescription, RobotDescription, inertia_problem
-from mrts.cell.points import point_names
-from mrts.cell.record import BodyShape, MeshSurface, Obstacle, mesh_surface
+from mrts.cell.record import BodyShape, MeshSurface, mesh_surface
 
 FORMATS = ("stl", "obj", "ply", "off")
 """Endings of mesh files; those whose files may name others (dae, gltf) are left out: a mesh is one file."""
@@ -50,20 +49,7 @@ Faces = tuple[Array, Array, float]
 longest side of the shape [m]."""
 
 
-def build_surroundings(
-    path: Path, folder: Path, given: list[Obstacle], robots: Sequence[str]
-) -> tuple[tuple[Obstacle, ...], dict[str, MeshSurface]]:
-    """The bodies of the surroundings, and what is drawn of their meshes, by file."""
-    names, surfaces = point_names(given, "obstacle"), dict[str, MeshSurface]()
-    if len({*names, *robots, "object"}) <= len(names) + len(robots):
-        rule = "must have names of their own, none of them 'object' or a robot's."
-        raise InputError(path, rule, key="surroundings", value=names)
-    for at, shape in enumerate(given):
-        surfaces |= _surfaces(path, folder, shape, f"surroundings[{at}]")[0]
-    return tuple(one.model_copy(update={"name": name}) for one, name in zip(given, names, strict=True)), surfaces
-
-
-def _surfaces(path: Path, folder: Path, shape: BodyShape, key: str) -> tuple[dict[str, MeshSurface], Any]:
+def mesh_surfaces(path: Path, folder: Path, shape: BodyShape, key: str) -> tuple[dict[str, MeshSurface], Any]:
     """What is drawn of the mesh of a shape, by its file, and its surface as trimesh has it [m]; None of others."""
     if shape.mesh is None:
         return {}, None
@@ -83,7 +69,7 @@ def build_object(
     if shape is None:
         assert inertia is not None  # noqa: S101 (an object has one or the other)
         return {}, inertia, ()
-    drawn, surface = _surfaces(path, folder, shape, "object.shape")
+    drawn, surface = mesh_surfaces(path, folder, shape, "object.shape")
     T, size = shape.pose.transform, _size(shape, surface)
     if inertia is None:
         centre, own = _uniform(path, folder, shape, carried.mass, surface)

@@ -132,7 +132,7 @@ def test_surroundings_in_the_cell_file(tmp_path):
     trimesh.creation.box([0.1, 0.2, 0.4]).export(tmp_path / "crate.stl")
     assert mrts.load_cell(tmp_path / "cell.yaml").surfaces != cell.surfaces
     twice = [box("table", [1, 1, 1], [0, 0, -2]), box("table", [1, 1, 1], [0, 0, 5])]
-    for wrong, key in ((twice, "surroundings"), ([{"name": "nothing"}], "surroundings[0]")):
+    for wrong, key in ((twice, "surroundings[1].name"), ([{"name": "nothing"}], "surroundings[0]")):
         with pytest.raises(mrts.InputError) as error:
             mrts.Cell.from_description(described(wrong))
         assert error.value.key == key
