@@ -2,7 +2,7 @@
 """A cell's generated C and our kernel in one shared library: whole trajectories in one foreign call."""
 
 import ctypes
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from functools import cache
 from typing import Any
 
@@ -13,22 +13,12 @@ from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.binding import HEAD, keep_freed_memory, structure
 from mrts.kernel.c_text import SELDOM
 
-LIMITS, TERMS = (structure("rows.h", f"mrts_{name}") for name in ("limits", "terms"))
-
 
 @cache
 def range_record(unknowns: int) -> np.dtype[np.void]:
     """The range of a sample, of so many unknowns, c² last: `mrts_range` of trajectory.c."""
     made: np.dtype[np.void] = np.dtype(structure("trajectory.c", "mrts_range", MRTS_CURVED=unknowns + 1))
     return made
-
-
-Terms = Mapping[str, Array | None]
-"""What is added at N samples to a generated function and its limits, the `mrts_terms` of rows.h; None is nothing.
-
-"torque_square" and "torque_speed" are what c² and c add to each torque, "torque_offset" is added to it, Shape (N, m)
-[N m]; "square", "speed" and "offset" likewise to each row, in its unit, Shape (N, r); "margin", by how much both limits
-of each row move inward. A known c has what it adds in the offsets."""
 
 
 class CellLibrary:

@@ -17,8 +17,7 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.binding import INFINITY, filled
-from mrts.kernel.cell_library import LIMITS
+from mrts.kernel.binding import INFINITY, filled, structure
 
 FEW = 8
 """Rows of a polygon that are enough to tell its circle."""
@@ -489,7 +488,7 @@ def _compressed(rows: LimitRows, base: Array | None = None, axes: Sequence[int] 
         raise ValueError(f"rows {wrong.tolist()}: a lower limit is above its upper one")
     row, column = np.nonzero(matrix)
     return filled(
-        LIMITS,
+        structure("rows.h", "mrts_limits"),
         rows=len(matrix),
         start=np.append(0, np.cumsum(np.bincount(row, minlength=len(matrix)))),
         column=column,

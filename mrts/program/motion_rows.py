@@ -13,8 +13,8 @@ from mrts.base.arrays import Array, with_part
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.binding import filled, work_arrays
-from mrts.kernel.cell_library import TERMS, Terms, sample_inputs
+from mrts.kernel.binding import filled, structure, work_arrays
+from mrts.kernel.cell_library import sample_inputs
 from mrts.limits import fixed_rows, limit_rows
 from mrts.limits.rows import LimitRows, few_sides, kernel_limits, moved
 from mrts.motion.rows_at_rest import REST
@@ -176,7 +176,7 @@ class MotionRows:
         """
         library, count, limits = self.cell.library, len(asked[0]), self._limits
         given = sample_inputs(library.records["wrench_form"], count, self.inputs(load, samples))
-        where = count, *given, limits, filled(TERMS, **self.terms(speed, samples))
+        where = count, *given, limits, self._terms(speed, samples)
         work = work_arrays(library.opened, "mrts_samples", limits.rows)
         failed = getattr(library.opened, function)(*where, *asked, *for_all, *outputs, *work)
         assert not failed  # noqa: S101 (`kernel_limits` has looked at the limits)
@@ -207,24 +207,22 @@ class MotionRows:
         """The rows of the same cell and the same programs along another motion."""
         return motion_rows(self.cell, motion, self.sharing, self.formulation, self.solver)
 
-    def terms(self, speed: float | Array | None, samples: NDArray[np.intp] | None) -> Terms:
-        """What is added to the kept rows, with terms in ṙ put in, or left; as in `over_samples`."""
+    def _terms(self, speed: float | Array | None, samples: NDArray[np.intp] | None) -> Any:
+        """The `mrts_terms` of rows.h: what is added to the kept rows and to torques, with terms in a known ṙ put in."""
         kept, motors = self.kept, self.motors
         if samples is not None:
             kept, motors = kept.at(samples), None if motors is None else motors.at(samples)
-        by_speed, offset = kept.speed, kept.offset
+        terms = {"square": kept.square, "speed": kept.speed, "offset": kept.offset}
         if kept.speed is not None and speed is not None:
-            of_speed = kept.speed * speed
-            by_speed, offset = None, of_speed if offset is None else of_speed + offset
-        of_rows = {"square": kept.square, "speed": by_speed, "offset": offset}
-        if motors is None:
-            return of_rows
-        return of_rows | {
-            "torque_square": motors.square,
-            "torque_offset": motors.friction(0.0 if speed is None else speed),
-            "torque_speed": motors.speed if speed is None else None,
-            "margin": motors.margin(kept),
-        }
+            terms |= {"speed": None, "offset": kept.speed * speed + (0.0 if kept.offset is None else kept.offset)}
+        if motors is not None:
+            terms |= {
+                "torque_square": motors.square,
+                "torque_offset": motors.friction(0.0 if speed is None else speed),
+                "torque_speed": motors.speed if speed is None else None,
+                "margin": motors.margin(kept),
+            }
+        return filled(structure("rows.h", "mrts_terms"), **terms)
 
 
 def largest_square(cap_share: Array) -> Array:
