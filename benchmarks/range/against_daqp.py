@@ -64,8 +64,9 @@ def main(samples: int = SAMPLES, repeats: int = REPEATS) -> None:
         effect = np.max(np.abs(problem.A[:, :, -1]), axis=1)
         A = problem.A.copy()
         A[:, :, -1] /= np.where(effect > 0, effect, 1)[:, None]
-        scaled, _, _ = ConvexPrograms(None, g, A, problem.lower, problem.upper, low, high).scaled()
-        lower, upper = np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper])
+        ends = np.hstack([problem.lower, low]), np.hstack([problem.upper, high])
+        scaled, _, _ = ConvexPrograms(None, g, A, *ends).scaled()
+        lower, upper = scaled.lower, scaled.upper
         along, anyhow = np.arange(count), np.random.default_rng(0).permutation(count)
         for order_name, order in (("along the path", along), ("in random order", anyhow)):
             given = [np.ascontiguousarray(part[order]) for part in (scaled.g, scaled.A, lower, upper)]

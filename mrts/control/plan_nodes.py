@@ -366,13 +366,12 @@ def _hardest(limits: _Limits, end: int, sign: float) -> tuple[Array, NDArray[np.
     g[:, -1] = -sign
     bound = np.full_like(g, np.inf)
     bound[:, -1] = HIGHEST
-    programs = ConvexPrograms(
-        H=None, g=g, A=problem.free[:, kept], lower=lower[:, kept], upper=upper[:, kept], x_lower=-bound, x_upper=bound
-    )
+    lower, upper = np.hstack([lower[:, kept], -bound]), np.hstack([upper[:, kept], bound])
+    programs = ConvexPrograms(H=None, g=g, A=problem.free[:, kept], lower=lower, upper=upper)
     answers = solve_programs(programs, problem.solver)
     still = np.max(np.abs(problem.rate), axis=1) <= REST * np.max(np.abs(problem.rate))
     u = np.where(still, HIGHEST, np.where(answers.verified, sign * answers.x[:, -1], 0.0))
-    return sign * np.maximum(u, 0.0), kept[np.argmax(np.abs(answers.row_dual), axis=1)]
+    return sign * np.maximum(u, 0.0), kept[np.argmax(np.abs(answers.dual[:, : len(kept)]), axis=1)]
 
 
 def _evened(time: Array, acceleration: Array) -> Array:

@@ -206,17 +206,16 @@ def least_widening(
     # each limit twice, its upper and its lower side, as s moves them in opposite senses; laws once, as they are
     order, sides = np.concatenate([limits, limits, laws]), [len(limits), 2 * len(limits)]
     at_upper, at_lower = slice(sides[0]), slice(*sides)
-    A, lower, upper = np.pad(A[:, order], ((0, 0), (0, 0), (0, 1))), lower[:, order], upper[:, order]
-    A[:, at_upper, -1], A[:, at_lower, -1] = -above[limits], below[limits]
+    A, g, free = np.pad(A[:, order], ((0, 0), (0, 0), (0, 1))), *np.zeros((2, count, unknowns + 1))
+    A[:, at_upper, -1], A[:, at_lower, -1], g[:, -1], free[:] = -above[limits], below[limits], 1.0, np.inf
+    lower, upper = np.hstack([lower[:, order], -free]), np.hstack([upper[:, order], free])
     lower[:, at_upper], upper[:, at_lower] = -np.inf, np.inf
-    g, x_lower = np.zeros((count, unknowns + 1)), np.full((count, unknowns + 1), -np.inf)
-    x_lower[:, unknowns - 1 : unknowns], x_lower[:, -1], g[:, -1] = least_last, least, 1.0
-    programs = ConvexPrograms(
-        H=None, g=g, A=A, lower=lower, upper=upper, x_lower=x_lower, x_upper=np.full_like(g, np.inf)
-    )
+    of_unknowns = lower[:, len(order) :]
+    of_unknowns[:, unknowns - 1 : unknowns], of_unknowns[:, -1] = least_last, least
+    programs = ConvexPrograms(H=None, g=g, A=A, lower=lower, upper=upper)
     answers = solve_programs(programs, solver)
     require_verified(answers)
-    of_upper, of_lower, of_laws = np.split(answers.row_dual, sides, axis=1)
+    of_upper, of_lower, of_laws = np.split(answers.dual[:, : len(order)], sides, axis=1)
     dual = np.zeros((2, count, rows))
     dual[:, :, limits] = of_lower, of_upper
     dual[:, :, laws] = np.minimum(of_laws, 0), np.maximum(of_laws, 0)

@@ -141,23 +141,22 @@ def ends_by_linear_programs(problem: SampleProblem, *, alone: bool = False) -> R
     caps = problem.is_cap
     A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     A[:, :, -1] *= unit[:, None]
-    x_lower = np.full((count, unknowns), -np.inf)
-    x_lower[:, -1] = 0.0
-    x_upper = np.full((count, unknowns), np.inf)
-    x_upper[:, -1] = np.where(effect > 0, np.minimum(UNBOUNDED, problem.cap() / unit), 0.0)
+    free = np.full((count, unknowns), np.inf)
+    lower, upper = np.hstack([lower, -free]), np.hstack([upper, free])
+    lower[:, -1], upper[:, -1] = 0.0, np.where(effect > 0, np.minimum(UNBOUNDED, problem.cap() / unit), 0.0)
 
     def solve(direction: float) -> Answers:
         g = np.zeros((count, unknowns))
         g[:, -1] = direction
-        programs = ConvexPrograms(H=None, g=g, A=A, lower=lower, upper=upper, x_lower=x_lower, x_upper=x_upper)
+        programs = ConvexPrograms(H=None, g=g, A=A, lower=lower, upper=upper)
         return solve_programs(programs, problem.solver, alone=alone)
 
     least, largest = solve(1.0), solve(-1.0)
     free = (largest.x[:, -1] >= UNBOUNDED * (1 - AT_UNBOUNDED)) | (effect == 0)
     dual = np.zeros((2, *problem.lower.shape))
-    dual[:, :, ~caps] = least.row_dual, largest.row_dual
+    dual[:, :, ~caps] = least.dual[:, :-unknowns], largest.dual[:, :-unknowns]
     dual[1, free] = 0.0
-    still = np.abs(least.bound_dual[:, -1])
+    still = np.abs(least.dual[:, -1])
     weight = np.maximum(np.max(np.abs(dual[0]), axis=1, initial=0.0), still)
     dual[0, np.abs(dual[0]) <= BINDING_TOLERANCE * weight[:, None]] = 0.0
     return RangeEnds(
@@ -249,22 +248,16 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     free, limits = problem.free[0, moving], np.stack(problem.limits_at(c2))[:, 0, moving]
     equal, unknowns = limits[1] - limits[0] <= 2 * NEAR, problem.unknowns - 1
     sides, rows = np.nonzero(np.isfinite(limits) & ~equal)
-    sign, of_sides, of_equal = np.where(sides, 1.0, -1.0), np.full(len(rows), np.inf), limits[:, equal]
+    sign, of_equal, of_free = np.where(sides, 1.0, -1.0), limits[:, equal], np.full(unknowns, np.inf)
+    of_sides = sign * limits[sides, rows] + WIDER
     A = np.zeros((len(rows) + len(of_equal[0]), unknowns + len(rows)))
     A[:, :unknowns] = np.concatenate([sign[:, None] * free[rows], free[equal]])
     np.fill_diagonal(A[:, unknowns:], NEAR if unknowns else BINDING_TOLERANCE)
-    answers = solve_programs(
-        ConvexPrograms(
-            H=None,
-            g=np.append(np.zeros(unknowns), np.full(len(rows), -1.0))[None],
-            A=A[None],
-            lower=np.append(-of_sides, of_equal[0] - WIDER)[None],
-            upper=np.append(sign * limits[sides, rows], of_equal[1])[None] + WIDER,
-            x_lower=np.append(np.full(unknowns, -np.inf), 0 * rows)[None],
-            x_upper=np.append(np.full(unknowns, np.inf), 0 * rows + 1)[None],
-        ),
-        DEFAULT_SOLVER,
-    )
+    g = np.append(np.zeros(unknowns), np.full(len(rows), -1.0))
+    lower = np.concatenate([of_sides - np.inf, of_equal[0] - WIDER, -of_free, 0 * rows])
+    upper = np.concatenate([of_sides, of_equal[1] + WIDER, of_free, 0 * rows + 1])
+    programs = ConvexPrograms(H=None, g=g[None], A=A[None], lower=lower[None], upper=upper[None])
+    answers = solve_programs(programs, DEFAULT_SOLVER)
     if not answers.verified[0]:
         return ()
     tight = sorted(

@@ -30,16 +30,14 @@ Mask = np.typing.NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class ConvexPrograms:
-    """N programs: minimise ½ xᵀHx + gᵀx subject to lower <= A x <= upper and x_lower <= x <= x_upper.
+    """N programs: minimise ½ xᵀHx + gᵀx subject to lower <= [A x, x] <= upper.
 
     Attributes:
         H: Symmetric, positive semidefinite, Shape (N, k, k); None for linear programs.
         g: Shape (N, k).
         A: Shape (N, r, k).
-        lower: Shape (N, r), minus infinity where unbounded.
-        upper: Shape (N, r), infinity where unbounded.
-        x_lower: Shape (N, k).
-        x_upper: Shape (N, k).
+        lower: Of the rows and then of the unknowns, Shape (N, r + k); minus infinity where unbounded.
+        upper: Likewise; infinity where unbounded.
     """
 
     H: Array | None
@@ -47,12 +45,15 @@ class ConvexPrograms:
     A: Array
     lower: Array
     upper: Array
-    x_lower: Array
-    x_upper: Array
 
     def at(self, samples: Mask) -> "ConvexPrograms":
         """Some of the programs."""
         return with_part(self, vars(self), samples)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows r."""
+        return int(self.A.shape[1])
 
     def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
         """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.
@@ -60,9 +61,10 @@ class ConvexPrograms:
         Inequality rows keep their own scale, which is that of their limits; equations are scaled to coefficients of 1.
 
         Returns:
-            The programs, the factors x = column * x_scaled, Shape (N, k), and the factors of the rows, Shape (N, r).
+            The programs, the factors x = column * x_scaled, Shape (N, k), and those of their limits, Shape (N, r + k).
         """
-        column, row = scales(self.A, self.lower == self.upper)
+        column, row = scales(self.A, (self.lower == self.upper)[:, : self.rows])
+        of_limits = np.hstack([row, 1 / column])
         g = self.g * column
         H = None if self.H is None else self.H * column[:, :, None] * column[:, None, :]
         weight = np.max(np.abs(g), axis=1) if H is None else np.max(np.abs(H), axis=(1, 2))
@@ -71,10 +73,9 @@ class ConvexPrograms:
             None if H is None else H * weight[:, None, None],
             g * weight[:, None],
             self.A * column[:, None, :] * row[:, :, None],
-            *(self.lower * row, self.upper * row),
-            *(self.x_lower / column, self.x_upper / column),
+            *(self.lower * of_limits, self.upper * of_limits),
         )
-        return programs, column, row
+        return programs, column, of_limits
 
 
 def scales(A: Array, equation: Mask) -> tuple[Array, Array]:
@@ -92,7 +93,7 @@ def scales(A: Array, equation: Mask) -> tuple[Array, Array]:
     return column, np.where(equation & (in_row > 0), 1 / np.where(in_row > 0, in_row, 1.0), 1.0)
 
 
-def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_dual: Array) -> Array:
+def optimality_error(programs: ConvexPrograms, x: Array, dual: Array) -> Array:
     """Largest residual of the Karush-Kuhn-Tucker conditions of each scaled program, Shape (N,).
 
     A limit is measured against 1 (its own size) and the terms of its row, the gradient against its largest term: the
@@ -100,9 +101,8 @@ def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_
     """
     value = np.concatenate([apply(programs.A, x), x], axis=1)
     size = np.concatenate([1 + apply(np.abs(programs.A), np.abs(x)), 1 + np.abs(x)], axis=1)
-    lower = np.concatenate([programs.lower, programs.x_lower], axis=1)
-    upper = np.concatenate([programs.upper, programs.x_upper], axis=1)
-    dual = np.concatenate([row_dual, bound_dual], axis=1)
+    lower, upper = programs.lower, programs.upper
+    row_dual, bound_dual = dual[:, : programs.rows], dual[:, programs.rows :]
     infeasible = np.max(np.maximum(lower - value, value - upper) / size, axis=1, initial=0.0)
 
     gradient = programs.g + np.einsum("nrk,nr->nk", programs.A, row_dual) + bound_dual
@@ -122,17 +122,14 @@ def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_
     return np.where(np.isfinite(error), error, np.inf)
 
 
-Found = tuple[Array, Array, Array]
-"""Minimisers, row multipliers and bound multipliers of a batch; anything at all where a solver fails."""
+Found = tuple[Array, Array]
+"""Minimisers, Shape (N, k), and multipliers of limits, Shape (N, r + k); anything at all where a solver fails."""
 
 
 def kernel(programs: ConvexPrograms) -> Found:
     """Our own dense kernel, dual simplex and dual active set methods; see mrts/kernel/c/linear_programs.h."""
-    rows = programs.A.shape[1]
-    low = np.concatenate([programs.lower, programs.x_lower], axis=1)
-    high = np.concatenate([programs.upper, programs.x_upper], axis=1)
-    x, dual, _ = solve_batch(programs.H, programs.g, programs.A, low, high)
-    return x, dual[:, :rows], dual[:, rows:]
+    x, dual, _ = solve_batch(programs.H, programs.g, programs.A, programs.lower, programs.upper)
+    return x, dual
 
 
 def qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Found:
@@ -143,10 +140,10 @@ def qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Fou
     given = {
         "g": programs.g.T,
         "a": programs.A.transpose(1, 0, 2).reshape(rows, count * unknowns),
-        "lba": programs.lower.T,
-        "uba": programs.upper.T,
-        "lbx": programs.x_lower.T,
-        "ubx": programs.x_upper.T,
+        "lba": programs.lower.T[:rows],
+        "uba": programs.upper.T[:rows],
+        "lbx": programs.lower.T[rows:],
+        "ubx": programs.upper.T[rows:],
     }
     hessian = ca.Sparsity(unknowns, unknowns)
     if programs.H is not None:
@@ -160,11 +157,11 @@ def qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Fou
     except RuntimeError:
         # one failure fails the whole map, and qpOASES does not recover from it: each sample gets a new solver
         if count == 1:
-            return np.zeros((1, unknowns)), np.zeros((1, rows)), np.zeros((1, unknowns))
+            return np.zeros((1, unknowns)), np.zeros((1, rows + unknowns))
         alone = [qpsol(plugin, options, programs.at(np.arange(count) == sample)) for sample in range(count)]
-        x, row_dual, bound_dual = (np.concatenate(part) for part in zip(*alone, strict=True))
-        return x, row_dual, bound_dual
-    return solved["x"].full().T, solved["lam_a"].full().T, solved["lam_x"].full().T
+        x, dual = (np.concatenate(part) for part in zip(*alone, strict=True))
+        return x, dual
+    return solved["x"].full().T, np.vstack([solved["lam_a"].full(), solved["lam_x"].full()]).T
 
 
 Solver = Callable[[ConvexPrograms], Found]
@@ -189,13 +186,12 @@ def check_solver(name: str) -> None:
 class Answers:
     """Minimisers and multipliers of a batch.
 
-    Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0 up to a positive factor: a positive multiplier belongs to an
-    upper limit. Those that passed `optimality_error` are verified.
+    Signs follow Hx + g + [Aᵀ 1] dual = 0 up to a positive factor: a positive multiplier belongs to an upper limit.
+    Those that passed `optimality_error` are verified.
     """
 
     x: Array
-    row_dual: Array
-    bound_dual: Array
+    dual: Array
     verified: Mask
 
 
@@ -203,8 +199,8 @@ def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False
     """Solve a batch; what the chosen solver does not get right the others are asked for, unless it is alone."""
     check_solver(solver)
     chosen = SOLVERS[solver]
-    scaled, column, row = programs.scaled()
-    x, row_dual, bound_dual = np.zeros_like(programs.g), np.zeros_like(programs.lower), np.zeros_like(programs.g)
+    scaled, column, of_limits = programs.scaled()
+    x, dual = np.zeros_like(programs.g), np.zeros_like(programs.lower)
     verified = np.zeros(len(x), dtype=bool)
     for solve in (chosen, *(other for other in FALLBACKS if other is not chosen and not alone)):
         todo = ~verified
@@ -212,12 +208,12 @@ def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False
         found = solve(part)
         good = optimality_error(part, *found) <= OPTIMALITY_TOLERANCE
         where = np.flatnonzero(todo)[good]
-        x[where], row_dual[where], bound_dual[where] = (value[good] for value in found)
+        x[where], dual[where] = (value[good] for value in found)
         verified[where] = True
         if np.all(verified):
             break
     # multipliers are those of the scaled objective: only their signs and proportions matter
-    return Answers(x * column, row_dual * row, bound_dual / column, verified)
+    return Answers(x * column, dual * of_limits, verified)
 
 
 def require_verified(answers: Answers) -> None:

@@ -106,14 +106,13 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     g = np.einsum("nij,ik,nk->nj", free, weights, others)
     lower, upper = problem.limits_at(speed)
     widening = TORQUE_WIDENING * (problem.limit_lower < problem.limit_upper)
+    unlimited = np.full((count, unknowns - 1), np.inf)
     programs = ConvexPrograms(
         H=H,
         g=g,
         A=problem.free,
-        lower=lower - widening,
-        upper=upper + widening,
-        x_lower=np.full((count, unknowns - 1), -np.inf),
-        x_upper=np.full((count, unknowns - 1), np.inf),
+        lower=np.hstack([lower - widening, -unlimited]),
+        upper=np.hstack([upper + widening, unlimited]),
     )
     answers = solve_programs(programs, problem.solver)
     require_verified(answers)

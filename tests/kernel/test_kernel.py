@@ -51,8 +51,7 @@ def test_linear_programs_of_cells_equal_highs(arms, size):
             g[:, -1] = direction
             x, dual, status = solve_batch(None, g, A, low, high)
             good = status == OPTIMAL
-            programs = ConvexPrograms(None, g, A, lower, upper, low[:, rows:], high[:, rows:])
-            error = optimality_error(programs, x, dual[:, :rows], dual[:, rows:])
+            error = optimality_error(ConvexPrograms(None, g, A, low, high), x, dual)
             assert np.max(error[good], initial=0) <= RESIDUAL_TOLERANCE
             for n in range(SAMPLES):
                 theirs, value = highs_minimum(A[n], lower[n], upper[n], low[n, rows:], high[n, rows:], direction)
@@ -78,12 +77,12 @@ def test_hard_linear_programs_equal_highs(k, rows):
             for direction in (1.0, -1.0):
                 g = np.zeros(k)
                 g[-1] = direction
-                programs = ConvexPrograms(None, g[None], A[None], lower[None], upper[None], low[None], high[None])
-                scaled, *_ = programs.scaled()
-                ends = (np.hstack([scaled.lower, scaled.x_lower]), np.hstack([scaled.upper, scaled.x_upper]))
+                ends = np.hstack([lower, low])[None], np.hstack([upper, high])[None]
+                scaled, *_ = ConvexPrograms(None, g[None], A[None], *ends).scaled()
+                ends = scaled.lower, scaled.upper
                 x, dual, status = solve_batch(None, scaled.g, scaled.A, *ends)
-                of_scaled = (scaled.A, scaled.lower, scaled.upper, scaled.x_lower, scaled.x_upper)
-                theirs, value = highs_minimum(*(of[0] for of in of_scaled), direction)
+                of_rows, of_unknowns = ([end[0, part] for end in ends] for part in (slice(rows), slice(rows, None)))
+                theirs, value = highs_minimum(scaled.A[0], *of_rows, *of_unknowns, direction)
                 ours = int(status[0])
                 seen[kind, ours] += 1
                 if feasible is not None:
@@ -93,7 +92,7 @@ def test_hard_linear_programs_equal_highs(k, rows):
                 if ours == INFEASIBLE:
                     assert certificate_holds(scaled.A[0], ends[0][0], ends[1][0], dual[0]), (kind, seed)
                 if ours == OPTIMAL:
-                    error = optimality_error(scaled, x, dual[:, :rows], dual[:, rows:])
+                    error = optimality_error(scaled, x, dual)
                     assert error[0] <= RESIDUAL_TOLERANCE, (kind, seed)
                     if theirs == highspy.HighsModelStatus.kOptimal:
                         # HiGHS stops at its own tolerance, which degenerate data magnify
@@ -126,14 +125,13 @@ def test_quadratic_programs_of_cells_equal_daqp():
         H, g = np.swapaxes(T, 1, 2) @ T, np.einsum("nri,nr->ni", T, offset)
         free = np.full((SAMPLES, A.shape[2] - 1), np.inf)
         A, lower, upper = np.ascontiguousarray(A[:, :, :-1]), lower - given, upper - given
-        x, dual, status = solve_batch(H, g, A, np.hstack([lower, -free]), np.hstack([upper, free]))
-        rows = A.shape[1]
-        programs = ConvexPrograms(H, g, A, lower, upper, -free, free)
+        programs = ConvexPrograms(H, g, A, np.hstack([lower, -free]), np.hstack([upper, free]))
+        x, dual, status = solve_batch(H, g, A, programs.lower, programs.upper)
         good = status == OPTIMAL
-        error = optimality_error(programs, x, dual[:, :rows], dual[:, rows:])
+        error = optimality_error(programs, x, dual)
         assert np.max(error[good], initial=0) <= RESIDUAL_TOLERANCE
         for n in range(SAMPLES):
-            sense = np.zeros(rows, dtype=np.int32)
+            sense = np.zeros(A.shape[1], dtype=np.int32)
             ends = np.clip(upper[n], -1e30, 1e30), np.clip(lower[n], -1e30, 1e30)
             theirs, value, flag, _ = daqp.solve(H[n], g[n], A[n], *ends, sense)
             if flag == -1:
@@ -159,13 +157,13 @@ def test_hard_quadratic_programs_pass_their_conditions():
             for kind, (A, lower, upper, feasible) in hard_programs(rng, k, rows).items():
                 free = np.full((1, k), np.inf)
                 H, g = (root.T @ root + np.eye(k) * 1e-3)[None], rng.normal(size=(1, k))
-                programs = ConvexPrograms(H, g, A[None], lower[None], upper[None], -free, free)
+                ends = np.hstack([lower[None], -free]), np.hstack([upper[None], free])
+                programs = ConvexPrograms(H, g, A[None], *ends)
                 scaled, _, _ = programs.scaled()
-                ends = np.hstack([scaled.lower, -free]), np.hstack([scaled.upper, free])
-                x, dual, status = solve_batch(scaled.H, scaled.g, scaled.A, *ends)
+                x, dual, status = solve_batch(scaled.H, scaled.g, scaled.A, scaled.lower, scaled.upper)
                 solved[kind, int(status[0])] += 1
                 if status[0] == OPTIMAL:
-                    error = optimality_error(scaled, x, dual[:, :rows], dual[:, rows:])
+                    error = optimality_error(scaled, x, dual)
                     assert error[0] <= RESIDUAL_TOLERANCE * 1e3, (kind, k, seed)  # gradients are held to 1e-12 there
                 elif feasible:
                     answers = solve_programs(programs, "kernel")
