@@ -14,7 +14,7 @@ from mrts.base.errors import InputError, MotionError, Remark, check_type
 from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
-from mrts.following.tracking import FURTHER_STARTS, is_redundant, track_variants
+from mrts.following.tracking import FURTHER_STARTS, is_redundant, random_starts, track_variants
 from mrts.kernel.tracking import PATH
 from mrts.motion.joint_table import UNTIMED, JointCourse
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
@@ -39,9 +39,6 @@ NAMED = 0.05
 
 POSTURES = 3
 """Of which the best counts: the first is the arm's own, and may be singular; the others are anywhere."""
-
-GOLDEN = 0.5 * (5**0.5 - 1)
-"""Its multiples, whole turns aside, are spread evenly."""
 
 TWIST = tuple(f"{move} {axis}" for move in ("along", "about") for axis in "xyz")
 """Components of a twist in words."""
@@ -207,7 +204,7 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
         MotionError: If the object leaves the plane.
     """
     check_dimensions(cell, motion)
-    q = postures_for_rank(cell.posture)
+    q = np.hstack([random_starts(robot, POSTURES) for robot in cell.robots])
     jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         if lacking := lacking_freedom(robot.joints, jacobians[:, :, joints], cell.wrench_rows):
@@ -215,16 +212,10 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
             raise InputError(cell.name, rule, key=f"robot '{robot.name}'")
 
 
-def postures_for_rank(own: Array) -> Array:
-    """Joint positions at which an arm's Jacobian has the rank of its structure, Shape (POSTURES, n), its own first."""
-    others = 2 * (np.arange(1, (POSTURES - 1) * len(own) + 1) * GOLDEN % 1) - 1
-    return np.concatenate([own[None], others.reshape(POSTURES - 1, len(own))])
-
-
 def lacking_freedom(joints: Sequence[str], jacobians: Array, rows: Sequence[int]) -> str:
     """Why an arm does not move its hand in all directions in any posture, as a sentence; empty if it does in some.
 
-    Jacobians of the tip in base axes are those at `postures_for_rank`, Shape (POSTURES, w, n).
+    Jacobians of the tip in base axes are those at `POSTURES` random positions, Shape (POSTURES, w, n).
     """
     values, right = np.linalg.svd(jacobians)[1:]
     ranks = np.sum(values > DEPENDENT * values[:, :1], axis=1)

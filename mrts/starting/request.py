@@ -15,7 +15,8 @@ from mrts.base.input_file import LARGEST_NUMBER, is_uri, named_in
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.generation import arm_of_urdf, read_urdf
 from mrts.cell.remarks import urdf_remarks
-from mrts.following.coordinated_motion import lacking_freedom, postures_for_rank
+from mrts.following.coordinated_motion import POSTURES, lacking_freedom
+from mrts.following.tracking import random_starts
 from mrts.starting.arm import Arm
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, links_beyond, moved_by, side_of
 
@@ -166,7 +167,7 @@ def _check_movable(arm: Arm) -> None:
     for remark in urdf_remarks(arm.robot):
         if remark.code == "limits-equal":
             raise InputError(arm.path, remark.text)
-    q = postures_for_rank(arm.middle())
+    q = random_starts(arm.robot, POSTURES)
     if lacking := lacking_freedom(arm.robot.joints, arm.at(q).jacobian, list(range(6))):
         raise InputError(arm.path, f"{lacking} Choose another tip or robot.")
 
