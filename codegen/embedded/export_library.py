@@ -81,11 +81,8 @@ def export_library(
         plan: A plan to be played at any speed (`mrts.control.override_tables.PlayedTables`).
 
     Raises:
-        InputError: If the precision does not exist, the name cannot be taken, or a function holds an
-            operation that no C is known of.
+        InputError: If the name cannot be taken, or a function holds an operation that no C is known of.
     """
-    if precision not in UNLIMITED:
-        raise InputError("--precision", "must be double or float.", value=precision)
     _check_name(cell.name)
     name, short_names = cell.name, MODEL_FUNCTIONS if plan is None else (*MODEL_FUNCTIONS, PLAYED)
     model = {f"{name}_model_{short}": functions[short] for short in short_names}

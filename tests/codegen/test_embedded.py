@@ -16,7 +16,6 @@ from loaded_library import LoadedLibrary
 from shipped_cells import changed_cell
 
 import mrts
-from mrts.cell.generation import export_to
 from mrts.cli import main
 
 CELLS = ("dual_ur5", "with_motors")
@@ -237,5 +236,3 @@ def test_bad_exports_are_refused(tmp_path, capsys):
         assert main(arguments) == 2
         assert words in capsys.readouterr().err
     assert not (tmp_path / "x").exists()
-    with pytest.raises(mrts.InputError, match="double or float"):
-        export_to(DATA / "cell.yaml", tmp_path / "x", tables={}, precision="half")
