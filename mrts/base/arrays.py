@@ -46,7 +46,8 @@ def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
 
 def row_products(first: Array, second: Array) -> Array:
     """Scalar products row by row, of two of Shape (N, k): Shape (N,)."""
-    return np.asarray((first * second).sum(axis=1), dtype=np.float64)
+    products: Array = (first[:, None] @ second[:, :, None])[:, 0, 0]
+    return products
 
 
 def rotated(rotation: Array, vector: Array) -> Array:
