@@ -22,7 +22,7 @@ from interleaved import median_times, on_one_processor, show
 import mrts
 from mrts.program.path_solver import KernelSolver
 from mrts.program.smooth_program import Goal
-from mrts.program.successive_steps import StepsTaken, successive_steps
+from mrts.program.successive_steps import last_step, successive_steps
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "cases"))
 import copp_timing
@@ -69,10 +69,9 @@ def steps(found: mrts.RetimingResult, given: float) -> Callable[[], Any]:
     around = np.full(len(program.square), (given / smooth.bound) ** 2)  # type: ignore[union-attr]
 
     def run() -> float:
-        taken = successive_steps(program, around, Goal(), KernelSolver())
-        if not isinstance(taken, StepsTaken):
-            raise TypeError(taken)
-        return float(np.sum(program.times(taken.profile.x)))
+        solver = KernelSolver()
+        taken = last_step(program, successive_steps(program, around, Goal(), solver), Goal(), solver)
+        return program.duration(taken.profile.x)
 
     return run
 

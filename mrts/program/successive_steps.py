@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The best profile within limits of rates, which are not convex: convex programs one after the other, each inside."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,16 +71,14 @@ def successive_steps(
     goal: Goal,
     solver: KernelSolver,
     told: Progress = lambda _done, _total: None,
-    accepted: Callable[[SmoothProfile], bool] = lambda _profile: True,
     before: float = np.inf,
-) -> StepsTaken | SmoothProfile:
+) -> StepsTaken:
     """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
     which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
     Within a longest duration it starts from a profile that is fast enough. A first profile that costs what the best one
-    cost `before`, with fewer nodes, is the best one: its tangents moved with it. Where the best one is not `accepted`,
-    or not the one that it leads to by room or evenness, it is the answer by itself.
+    cost `before`, with fewer nodes, is the best one: its tangents moved with it.
 
     Raises:
         NoProfileError: If none is found.
@@ -93,21 +90,17 @@ def successive_steps(
         if duration > goal.longest:
             raise NoProfileError(duration=duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
-    best = _descent(program, found, goal, solver, told, before=before)
-    if not accepted(best.profile):
-        return best.profile
-    taken = _played(program, best, goal, solver, told)
-    return taken if accepted(taken.profile) else best.profile
+    return _descent(program, found, goal, solver, told, before=before)
 
 
-def _played(
+def last_step(
     program: SmoothProgram,
     best: StepsTaken,
     goal: Goal,
     solver: KernelSolver,
-    told: Progress,
+    told: Progress = lambda _done, _total: None,
 ) -> StepsTaken:
-    """What the best profile leads to: one with room where there is to be some, else one whose u does not jump."""
+    """What is played: by a step from the best profile to one with room, or to one whose u does not jump."""
     if goal.room and program.free.shape[2]:  # a second step would lower ∫ s² dt by less than a hundredth
         longest = (1 + goal.room) * program.duration(best.profile.x)
         spacious = solver.step(of_shares(program), best.profile.x, Goal(0.0, 1.0, longest))

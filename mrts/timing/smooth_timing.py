@@ -17,7 +17,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path_program
-from mrts.program.successive_steps import NoProfileError, StepsTaken, cost, successive_steps
+from mrts.program.successive_steps import NoProfileError, StepsTaken, cost, last_step, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.timing.between_samples import refined_timing
 from mrts.timing.path_pieces import STRIDE, SmoothPath, smooth_nodes, smooth_pieces, stops
@@ -250,11 +250,13 @@ class _Search:
         before = np.inf if last is None else cost(last.program, last.steps.best, goal)
         while True:
             program = limits(corners).narrowed(NARROWING)
-            found = successive_steps(program, likely, goal, question.solver, question.progress, accepted, before)
-            if isinstance(found, StepsTaken):
-                carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
-                return program, found, tuple(carried[place] for place in loads)
-            likely = found.x
+            best = successive_steps(program, likely, goal, question.solver, question.progress, before)
+            if accepted(best.profile):
+                found = last_step(program, best, goal, question.solver, question.progress)
+                if accepted(found.profile):
+                    carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
+                    return program, found, tuple(carried[place] for place in loads)
+            likely = best.profile.x
 
 
 def _widening(program: SmoothProgram, profile: SmoothProfile) -> float:
