@@ -285,10 +285,7 @@ def _known(value: Any) -> Any:
 
 def manifest_of(cell: Cell) -> CellManifest:
     """The manifest of a cell as it is now."""
-    manifest = cell.functions.manifest.model_copy(update={"cell": CellRecord(**cell.record())})
-    if problem := manifest.problem():
-        raise InputError("cell", f"{problem}, to be saved.", value=cell.name)
-    return manifest.sealed()
+    return cell.functions.manifest.model_copy(update={"cell": CellRecord(**cell.record())}).sealed()
 
 
 def differences(one: CellRecord, other: CellRecord) -> Iterator[tuple[str, Any, Any]]:
