@@ -1183,7 +1183,8 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
             break;
         }
         if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
-        if (!kept && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
+        if (!kept && p->relaxed <= 0 && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
+            /* of what is relaxed the multipliers of the answer are asked */
             mrts_smooth_keep(p, &at);
             kept = 1;
         }
