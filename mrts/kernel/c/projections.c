@@ -131,8 +131,9 @@ static int mrts_is_furthest(const mrts_polytope *in, const mrts_polygon *of, mrt
         if (MRTS_ABS(y[j]) > MRTS_OUTSIDE / 10 * size && in->lower[row] != in->upper[row]) return 0;
     }
     for (int j = 0; j < k; ++j) {
-        const int row = mrts_abs(corner.basis[j]) - 1;
-        for (int i = 0; i < k && row < in->rows; ++i) rest[i] += y[j] * in->A[row * k + i];
+        const int row = mrts_abs(corner.basis[j]) - 1, terms = row < in->rows ? k : 0;
+        MRTS_UNROLL
+        for (int i = 0; i < terms; ++i) rest[i] += y[j] * in->A[row * k + i];
         if (row >= in->rows) rest[row - in->rows] += y[j];
     }
     for (int i = 0; i < k; ++i) {
@@ -253,26 +254,18 @@ typedef struct {
 static void mrts_take_polytopes(long long first, mrts_lane_polytopes *in) {
     const mrts_polytopes *of = in->of;
     const int k = of->k, rows = of->rows;
-    for (int lane = 0; lane < MRTS_LANES; ++lane) {
-        const long long n = first + lane < of->count ? first + lane : of->count - 1;
-        const double *A = of->A + n * of->all * k, *scale = of->scale + n * k;
-        const double *limits[] = {of->lower + n * of->all, of->upper + n * of->all};
-        const double *bounds[] = {of->least + 2 * n, of->most + 2 * n};
-        for (int i = 0; i < rows; ++i) {
-            for (int j = 0; j < k; ++j) in->A[i * k + j][lane] = A[of->which[i] * k + j] * scale[j];
-        }
-        for (int i = 0; i < rows + k; ++i) {
-            const int bound = i - rows - (k - 2);
-            for (int side = 0; side < 2; ++side) {
-                const double absent = side ? MRTS_INFINITY : -MRTS_INFINITY;
-                const double limit = i < rows ? limits[side][of->which[i]] : bound < 0 ? absent : bounds[side][bound];
-                (side ? in->upper : in->lower)[i][lane] = limit;
-            }
-        }
+    long long at[MRTS_LANES];
+    for (int lane = 0; lane < MRTS_LANES; ++lane) at[lane] = first + lane < of->count ? first + lane : of->count - 1;
+    for (int j = 0; j < k; ++j) {
+        in->work[j] = mrts_term(of->scale, at, k, j);
+        in->lower[rows + j] = j < k - 2 ? mrts_each(-MRTS_INFINITY) : mrts_term(of->least, at, 2, j - (k - 2));
+        in->upper[rows + j] = j < k - 2 ? mrts_each(MRTS_INFINITY) : mrts_term(of->most, at, 2, j - (k - 2));
     }
-    for (int i = 0; i < rows + k; ++i) {
-        in->lower[i] = mrts_larger_lanes(in->lower[i], mrts_each(-MRTS_INFINITY));
-        in->upper[i] = -mrts_larger_lanes(-in->upper[i], mrts_each(-MRTS_INFINITY));
+    for (int i = 0; i < rows; ++i) {
+        const int row = of->which[i];
+        for (int j = 0; j < k; ++j) in->A[i * k + j] = mrts_term(of->A, at, of->all * k, row * k + j) * in->work[j];
+        in->lower[i] = mrts_larger_lanes(mrts_term(of->lower, at, of->all, row), mrts_each(-MRTS_INFINITY));
+        in->upper[i] = -mrts_larger_lanes(-mrts_term(of->upper, at, of->all, row), mrts_each(-MRTS_INFINITY));
     }
 }
 
@@ -291,10 +284,11 @@ static mrts_lane_mask mrts_corner_weights(const mrts_lane_polytopes *in, const i
     for (int j = 0; j < k; ++j) rest[j] = y[j] = mrts_each(j == unknown);
     mrts_solve_transposed_lanes(k, in->work, y, unknown);
     for (int n = 0; n < k; ++n) {
-        const int row = mrts_abs(basis[n]) - 1;
+        const int row = mrts_abs(basis[n]) - 1, terms = row < rows ? k : 0;
         value += y[n] * mrts_basis_limit(in, basis[n]);
         if (row >= rows) rest[row - rows] -= y[n];
-        for (int j = 0; j < k && row < rows; ++j) rest[j] -= y[n] * in->A[row * k + j];
+        MRTS_UNROLL
+        for (int j = 0; j < terms; ++j) rest[j] -= y[n] * in->A[row * k + j];
     }
     for (int j = 0; j < k; ++j) right &= mrts_sizes(rest[j]) <= MRTS_FEASIBLE;
     return right & (mrts_sizes(value - its) <= MRTS_FEASIBLE * (1 + mrts_sizes(value)));
@@ -375,6 +369,7 @@ MRTS_EXPORT void mrts_effects(long long count, int k, int all, int rows, const i
     for (long long n = 0; n < count; ++n, A += all * k, effect += k) {
         for (int i = 0; i < rows; ++i) {
             const double *row = A + which[i] * k;
+            MRTS_UNROLL
             for (int j = 0; j < k; ++j) {
                 const double size = MRTS_ABS(row[j]);
                 if (!(size <= effect[j])) effect[j] = size;

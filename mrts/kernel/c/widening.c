@@ -35,27 +35,29 @@ static mrts_lanes mrts_passed(const mrts_rows_lanes *rows, const mrts_lanes *fre
 static void mrts_bound_again(const mrts_rows_lanes *rows, const mrts_wrenches_before *known, mrts_lanes *free) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
     const int m = known->count;
-    mrts_lanes G[K * K], y[K];
+    mrts_lanes G[K * K], D[K * K], y[K]; /* D: their coefficients by the squares of the scales */
     for (int j = 0; j < m; ++j) {
         const mrts_lanes *a = rows->A + (mrts_abs(known->active[j]) - 1) * F;
+        for (int l = 0; l < F; ++l) D[j * F + l] = a[l] * (known->scale[l] * known->scale[l]);
         for (int other = 0; other <= j; ++other) {
             const mrts_lanes *b = rows->A + (mrts_abs(known->active[other]) - 1) * F;
-            G[j * m + other] = mrts_each(0);
-            for (int l = 0; l < F; ++l) G[j * m + other] += a[l] * (known->scale[l] * known->scale[l]) * b[l];
+            mrts_lanes sum = mrts_each(0);
+            MRTS_UNROLL
+            for (int l = 0; l < F; ++l) sum += D[j * F + l] * b[l];
+            G[j * m + other] = sum;
         }
     }
     mrts_cholesky_lanes(m, G, G);
     for (int pass = 0; pass < 2; ++pass) {
         for (int j = 0; j < m; ++j) {
             const int row = mrts_abs(known->active[j]) - 1;
-            y[j] = known->active[j] > 0 ? rows->upper[row] : rows->lower[row];
-            for (int l = 0; l < F; ++l) y[j] -= rows->A[row * F + l] * free[l];
+            y[j] = mrts_less_lanes(F, known->active[j] > 0 ? rows->upper[row] : rows->lower[row], rows->A + row * F, 1, free);
         }
         mrts_lane_forward(m, G, y);
         mrts_lane_backward(m, G, y);
         for (int j = 0; j < m; ++j) {
-            const mrts_lanes *a = rows->A + (mrts_abs(known->active[j]) - 1) * F;
-            for (int l = 0; l < F; ++l) free[l] += a[l] * (known->scale[l] * known->scale[l]) * y[j];
+            MRTS_UNROLL
+            for (int l = 0; l < F; ++l) free[l] += D[j * F + l] * y[j];
         }
     }
 }

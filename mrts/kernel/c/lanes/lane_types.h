@@ -33,8 +33,15 @@ static inline mrts_lanes mrts_roots(mrts_lanes a) {
     return (mrts_lanes){MRTS_SQRT(a[0]), MRTS_SQRT(a[1]), MRTS_SQRT(a[2]), MRTS_SQRT(a[3])};
 }
 
+/* One number of each sample, of those of all samples one after the other, `size` each. */
+static inline mrts_lanes mrts_term(const double *all, const long long *at, int size, int place) {
+    all += place;
+    return (mrts_lanes){all[at[0] * size], all[at[1] * size], all[at[2] * size], all[at[3] * size]};
+}
+
 static inline void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
     const double *numbers = (const double *)(const void *)from + lane;
+    MRTS_UNROLL
     for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
 }
 

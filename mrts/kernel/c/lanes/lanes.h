@@ -59,14 +59,16 @@ typedef struct {
 
 /* Sines and cosines of some angles, both of one after the other. */
 static inline void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *both) {
-    for (int i = 0; i < count; ++i, both += 2) {
-        const mrts_lane_mask near = mrts_sizes(angle[i]) <= MRTS_MOST_ANGLE;
-        mrts_sine_cosine_lanes(angle[i], both);
-        for (int lane = 0; lane < MRTS_LANES; ++lane) {
-            if (near[lane]) continue;
-            both[0][lane] = sin(angle[i][lane]);
-            both[1][lane] = cos(angle[i][lane]);
-        }
+    mrts_lane_mask far = {0};
+    for (int i = 0; i < count; ++i) {
+        mrts_sine_cosine_lanes(angle[i], both + 2 * i);
+        far |= ~(mrts_sizes(angle[i]) <= MRTS_MOST_ANGLE);
+    }
+    for (int i = 0; mrts_any(far) && i < count * MRTS_LANES; ++i) {
+        const double its = angle[i / MRTS_LANES][i % MRTS_LANES];
+        if (MRTS_ABS(its) <= MRTS_MOST_ANGLE) continue;
+        both[i / MRTS_LANES * 2][i % MRTS_LANES] = sin(its);
+        both[i / MRTS_LANES * 2 + 1][i % MRTS_LANES] = cos(its);
     }
 }
 
@@ -87,24 +89,17 @@ static inline void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b)
     }
 }
 
-/* One number of each sample, of those of all samples one after the other, `size` each. */
-static inline mrts_lanes mrts_term(const double *all, const long long *at, int size, int place) {
-    mrts_lanes value;
-    MRTS_UNROLL
-    for (int lane = 0; lane < MRTS_LANES; ++lane) value[lane] = all[at[lane] * size + place];
-    return value;
-}
-
 static inline void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
                                     int all, mrts_lane_inputs *lanes) {
     static const int sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
     mrts_lanes *next = lanes->numbers;
     for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
     for (int i = 0; i < MRTS_INPUTS; next += sizes[i++]) {
-        const double *own[MRTS_LANES];
         lanes->arg[i] = next;
         if (!all && !stride[i]) continue;
-        for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane] = in[i] + lanes->at[lane] * stride[i];
+        const double *const own[] = {in[i] + lanes->at[0] * stride[i], in[i] + lanes->at[1] * stride[i],
+                                     in[i] + lanes->at[2] * stride[i], in[i] + lanes->at[3] * stride[i]};
+        MRTS_UNROLL
         for (int number = 0; number < sizes[i]; ++number) {
             next[number] = (mrts_lanes){own[0][number], own[1][number], own[2][number], own[3][number]};
         }
