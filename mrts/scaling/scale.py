@@ -259,7 +259,7 @@ def choose_c2(result: ScalingResult, rows: MotionRows) -> float:
     select = 1.0 if select is None else select
     c2 = float(select) if is_number(select) else np.inf
     if not 0 < c2 < np.inf:
-        raise refused(f"{c2:g} is no c² of a speed: it must be finite and > 0.")
+        raise refused(f"{select} is no c² of a speed: it must be finite and > 0.")
     admitted = admitted_factor(result, c2, END_TOLERANCE)
     if admitted is None:
         raise refused(f"c² = {c2:g} is outside this range{_passed(result, c2)}")

@@ -12,6 +12,7 @@ from shipped_cells import sizes_of
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import one_text
 from mrts.limits.rows import LimitRows, RowName
+from mrts.program.path_solver import PROGRAM, _library
 
 C = ROOT / "mrts" / "kernel" / "c"
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
@@ -74,7 +75,8 @@ def test_structures_are_laid_out_as_the_compiler_does(name, tmp_path):
 
 def test_arguments_have_the_types_that_c_declares(planar_cell):
     library = planar_cell.library.opened
-    assert library.mrts_backward.restype is ctypes.c_longlong
+    large = PROGRAM(nodes=1 << 30, rows=3, free=2)
+    assert _library().mrts_smooth_kept(large) > 3 * large.nodes  # of an int, what is left below 2³¹
     with pytest.raises(ctypes.ArgumentError):
         library.mrts_effects(1.5, 1, 1, 1, np.zeros(1, dtype=np.int32), np.zeros(1), np.zeros(1))
 
