@@ -254,7 +254,7 @@ class Robot(MadeAgain):
                 wrong |= lower == upper
             if np.any(wrong):
                 at = int(np.argmax(wrong))
-                rule = f"must be at most {kind}_upper, {upper[at]:g}, and leave something between the two."
+                rule = f"must be {'below' if kind == 'torque' else 'at most'} {kind}_upper, {upper[at]:g}."
                 raise InputError(where, rule, key=f"{kind}_lower[{at}]", value=float(lower[at]))
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")

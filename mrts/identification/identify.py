@@ -443,9 +443,9 @@ def fit_joint(
 ) -> tuple[Array, Array, NDArray[np.str_], NDArray[np.bool_]]:
     """Least squares of effort - τ_rb = I_a q̈ + τ_c sign(q̇) + b q̇ + offset, with I_a, τ_c, b >= 0.
 
-    Variances come from the residuals without the bounds: the larger of the two that ordinary least squares and Newey
-    and West (1987) give, who let residuals depend on the motion and on each other along time (`used` says where blocks
-    are missing).
+    Variances come from the residuals: the larger of the two that ordinary least squares and Newey and West (1987)
+    give, who let residuals depend on the motion and on each other along time (`used` says where blocks are missing).
+    What is held at 0 has that of the fit without the bounds.
 
     Args:
         columns: q̈, sign(q̇), q̇ of B blocks along time, Shape (B, 3).
@@ -473,7 +473,8 @@ def fit_joint(
         free = np.linalg.lstsq(X, y, rcond=INDEPENDENT**2)[0]
         bounded = lsq_linear(X, y, ([0.0, 0.0, 0.0, -np.inf], np.inf), method="bvls")
         theta, held = np.asarray(bounded.x, dtype=np.float64), np.asarray(bounded.active_mask != 0)
-        error = _standard_errors(full / scale, left_over, used, free)
+        error = _standard_errors(full / scale, left_over, used, theta, ~held)
+        error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
         theta, error = theta / scale, error / scale
         half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
         doubt = half * np.array([fastest / REFERENCE_RAMP, 1.0, fastest])
@@ -489,9 +490,12 @@ def _left_by_others(X: Array, column: int) -> float:
     return float(np.linalg.norm(one - others @ np.linalg.lstsq(others, one, rcond=None)[0])) / size
 
 
-def _standard_errors(full: Array, left_over: Array, used: NDArray[np.bool_], theta: Array) -> Array:
-    """Of all parameters of a fit, Shape (4,)."""
-    X, residual = np.where(used[:, None], full, 0.0), np.where(used, left_over - full @ theta, 0.0)
+def _standard_errors(
+    full: Array, left_over: Array, used: NDArray[np.bool_], theta: Array, varied: NDArray[np.bool_]
+) -> Array:
+    """Of the parameters that are varied, 0 of the others, Shape (4,)."""
+    X = np.where(used[:, None], full, 0.0)[:, varied]
+    residual = np.where(used, left_over - full @ theta, 0.0)
     count = int(np.count_nonzero(used))
     freedom = count - X.shape[1]
     inverse = np.linalg.pinv(X.T @ X)
@@ -503,7 +507,9 @@ def _standard_errors(full: Array, left_over: Array, used: NDArray[np.bool_], the
         crossed = scores[lag:].T @ scores[:-lag]
         between += (1 - lag / (lags + 1)) * (crossed + crossed.T)
     robust = inverse @ between @ inverse * count / freedom
-    return np.asarray(np.sqrt(np.maximum(np.diag(ordinary), np.diag(robust))))
+    errors = np.zeros(len(varied))
+    errors[varied] = np.sqrt(np.maximum(np.diag(ordinary), np.diag(robust)))
+    return errors
 
 
 def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> NDArray[np.str_]:

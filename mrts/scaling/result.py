@@ -366,6 +366,8 @@ def _speed_advice(ends: tuple[float, float], given: float, *, several: bool) -> 
         return "the cell can hold the object still at every sample, but not move it along this path"
     factors, times = f"{fast:.3g} × as fast as given", f"{given / fast:.4g} s instead of {given:.4g} s"
     if least <= 0:
-        return f"you may play it up to {factors}: {times}"
+        allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
+        return f"you {allowed} {factors}: {times}"
+    verb = "may" if several or least <= 1 <= most else "must"
     slower = "; whether it may be played slower has to be asked for each c²" if several else ""
-    return f"you may play it {slow:.3g} to {factors}: {given / slow:.4g} to {times}{slower}"
+    return f"you {verb} play it {slow:.3g} to {factors}: {given / slow:.4g} to {times}{slower}"

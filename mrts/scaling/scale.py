@@ -305,9 +305,13 @@ def torques_for_load(result: ScalingResult, load: Array) -> ScalingResult:
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, options, c2 = result.cell.with_load(load), result.options, result.c2
     of_load = replace(options, select=c2, load="nominal", between=None, rates=None)
-    own, rows = chosen_factor(cell, result.motion, of_load)
+    unsuited = f"c² = {c2:g} does not suit this load"
+    try:
+        own, rows = chosen_factor(cell, result.motion, of_load)
+    except SelectionError as error:
+        raise SelectionError(f"{unsuited}: {error}", error.result) from None
     if own.c2 is None:
-        raise SelectionError(own.sentence(), own)
+        raise SelectionError(f"{unsuited}: {own.sentence()}", own)
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
     excess = result.excess if options.load == "guaranteed" else None
     try:
@@ -315,7 +319,7 @@ def torques_for_load(result: ScalingResult, load: Array) -> ScalingResult:
     except SolverError as error:
         if options.rates is None:
             raise
-        raise SelectionError(f"c² = {c2:g} does not suit this load where rates are kept: {error}", own) from None
+        raise SelectionError(f"{unsuited} where rates are kept: {error}", own) from None
 
 
 def with_torques(

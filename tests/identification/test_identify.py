@@ -51,11 +51,15 @@ def test_bounded_least_squares_are_the_best_of_all_choices():
         columns = np.column_stack([rng.uniform(-6, 6, 40), np.sign(dq), dq])
         left_over = columns @ rng.uniform(-0.5, 1, 3) * 3 + rng.normal(0, 0.1, 40) + 1
         used = np.ones(len(columns), bool)
-        found, _, reasons, bounded = fit_joint(columns, left_over, used, fastest=3.0, torque_limit=1e9)
+        found, half, reasons, bounded = fit_joint(columns, left_over, used, fastest=3.0, torque_limit=1e9)
         expected = best_of_all_bounds(columns, left_over)
         np.testing.assert_allclose(found, expected, atol=SAME * np.max(np.abs(expected)))
         np.testing.assert_array_equal(bounded, expected[:3] == 0)
         assert {*reasons} == {""}
+        X = np.column_stack([columns, np.ones(40)])[:, np.append(~bounded, True)]
+        left = left_over - X @ found[np.append(~bounded, True)]
+        ordinary = np.sqrt(np.diag(np.linalg.inv(X.T @ X)) * (left @ left) / (40 - X.shape[1]))
+        assert np.all(half[~bounded] > 2 * ordinary[:-1])  # the bounds' part of what is left is in doubt too
         held += int(np.count_nonzero(bounded))
     assert held > 100
 

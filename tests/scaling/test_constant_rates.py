@@ -96,6 +96,14 @@ def test_two_gantries_share_the_change_of_what_accelerates_all(pushed, kind):
 
 
 @pytest.mark.quick
+def test_only_what_binds_within_rates_is_named(planar_cell, lift):
+    rows = mrts.scale(planar_cell, lift, rates=5.0).range.upper.rows
+    assert {(row.name.robot, row.name.element, row.name.kind) for row in rows} == {
+        ("left", "shoulder", "torque rate"),
+        ("right", "shoulder", "torque rate"),
+    }
+
+
 def test_rates_that_do_not_bind_change_nothing(planar_cell, lift, lifted):
     loose = mrts.scale(planar_cell, lift, rates=1000.0)
     assert loose.trajectory.c2 == lifted.trajectory.c2

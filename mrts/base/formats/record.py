@@ -86,7 +86,9 @@ class Shape:
         entries: Sequence[str] = (),
     ) -> None:
         self.sizes, self.finite, self.least, self.most, self.entries = sizes, finite, least, most, entries
-        self._ends = {side: end for side, end in (("at least", least), ("at most", most)) if math.isfinite(end)}
+        self._ends = [f"{side} {end:g}" for side, end in (("at least", least), ("at most", most)) if math.isfinite(end)]
+        if least == SMALLEST_NUMBER or most == -SMALLEST_NUMBER:
+            self._ends = ["above 0" if least > 0 else "below 0"]
 
     def check(self, value: Any, letters: dict[str | int, int]) -> None:
         """Check a value beside those before it, and note what its own letters stand for."""
@@ -103,9 +105,10 @@ class Shape:
             entries = f": {', '.join(self.entries)}" if self.entries else ""
             raise _broken(f"must be {what} with Shape {shape}{entries}", value if is_tuple else value.tolist())
         if self._ends and (wrong := np.argwhere((value < self.least) | (value > self.most))).size:
-            rule = " and ".join(f"{side} {end:g}" for side, end in self._ends.items())
             place = wrong[0].tolist()
-            raise _broken(f"must be {rule}", float(value[*place])).inside("", "".join(f"[{at}]" for at in place))
+            raise _broken(f"must be {' and '.join(self._ends)}", float(value[*place])).inside(
+                "", "".join(f"[{at}]" for at in place)
+            )
 
 
 def check_attributes(owner: Any, of: type, where: str, **known: int) -> dict[str | int, int]:
