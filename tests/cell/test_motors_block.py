@@ -38,7 +38,7 @@ MISTAKES = [
     ({"friction": {"coulomb": [1, -2, 0]}}, "(left).motors.friction.coulomb[1] = -2.0: must be at least 0"),
     ({"friction": [1, 2, 3]}, "robots[0].motors.friction = [1, 2, 3]: must be "),
     ({"friction": {"coulomb": [1, 1, 28]}}, "friction.coulomb[2]: Coulomb friction of joint 'wrist' is 28"),
-    ({"torque_rate": [5, -5, 5]}, "(left).motors.torque_rate[1] = -5.0: must be at least"),
+    ({"torque_rate": [5, -5, 5]}, "(left).motors.torque_rate[1] = -5.0: must be above 0"),
     (
         {"torque_speed": [[0, 200], [2, 220]]},
         "(left).motors.torque_speed[0] = [[0.0, 200.0], [2.0, 220.0]]: its torques",
