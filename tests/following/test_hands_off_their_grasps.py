@@ -13,7 +13,7 @@ from mrts.base.manifest import GEOMETRY
 from mrts.cli import main
 from mrts.following.coordinate import grasp_gaps
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
-from mrts.following.tracking import CONDITION_LIMIT, nearest_rates, tip_rates
+from mrts.following.tracking import CONDITION_LIMIT, check_regular, nearest_rates, tip_rates
 from mrts.kernel.tracking import closure_sizes
 
 ROUNDING = 1e-12
@@ -80,6 +80,14 @@ def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, 
         inverse = np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT)
         expected = dq[:, joints] + apply(inverse, velocity - apply(J, dq[:, joints]))
         np.testing.assert_allclose(ours[:, joints], expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_singular_arm_is_named_with_the_sample(planar_cell):
+    q = np.full((3, 6), 0.7)
+    check_regular(planar_cell, np.arange(3.0), q)
+    q[1, 4] = 0  # stretched out
+    with pytest.raises(mrts.MotionError, match=r"'right' .*sample 1 \(t = 1 s\)"):
+        check_regular(planar_cell, np.arange(3.0), q)
 
 
 def assert_closed(cell, motion, tolerance=1e-9):
