@@ -30,6 +30,11 @@ HEAD = object.__basicsize__
 ARRAYS = (np.ndarray, list)
 
 
+def pointer_to(array: NDArray[Any]) -> ctypes.c_void_p:
+    """To the numbers of an array that somebody keeps alive."""
+    return ctypes.c_void_p.from_address(id(array) + HEAD)
+
+
 def _caller(function: Any, result: Any, kinds: list[Any]) -> Callable[..., Any]:
     """A function of C by the kinds of its parameters; arrays and structures may be given for pointers.
 
@@ -47,7 +52,7 @@ def _caller(function: Any, result: Any, kinds: list[Any]) -> Callable[..., Any]:
         places = [
             ctypes.byref(value)
             if isinstance(value, ctypes.Structure)
-            else (ctypes.c_void_p.from_address(id(value) + HEAD) if isinstance(value, np.ndarray) else value)
+            else (pointer_to(value) if isinstance(value, np.ndarray) else value)
             for value in arrays
         ]
         return function(*places)
@@ -109,7 +114,7 @@ def filled(kind: Any, **values: Any) -> Any:
     for name, of in kind.arrays.items():
         if values.get(name) is not None:
             kept.append(np.ascontiguousarray(values[name], dtype=of))
-            numbers[name] = ctypes.c_void_p.from_address(id(kept[-1]) + HEAD)
+            numbers[name] = pointer_to(kept[-1])
     made = kind(**numbers)
     made.kept = values, kept
     return made

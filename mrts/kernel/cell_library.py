@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.binding import HEAD, keep_freed_memory, structure
+from mrts.kernel.binding import keep_freed_memory, pointer_to, structure
 from mrts.kernel.c_text import SELDOM
 
 
@@ -88,7 +88,6 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
 
 def pointers(arrays: Collection[Array]) -> Any:
     """An array of pointers to arrays, which it keeps alive."""
-    places = [ctypes.c_void_p.from_address(id(array) + HEAD) for array in arrays]
-    found: Any = (ctypes.c_void_p * len(arrays))(*places)
+    found: Any = (ctypes.c_void_p * len(arrays))(*map(pointer_to, arrays))
     found.kept = arrays
     return found
