@@ -46,11 +46,10 @@ def solve_batch(
         and statuses, Shape (N,).
     """
     count, rows, k = A.shape
-    name, given = ("mrts_lp_batch", [g]) if H is None else ("mrts_qp_batch", [H, g])
-    arrays = [np.clip(array, -INFINITY, INFINITY) for array in (*given, A, lower, upper)]
+    arrays = [array if array is None else np.clip(array, -INFINITY, INFINITY) for array in (H, g, A, lower, upper)]
     x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
     work = work_arrays(_library(), "mrts_batch", k, rows)
-    getattr(_library(), name)(count, k, rows, *arrays, x, dual, status, *work)
+    _library().mrts_solve_batch(count, k, rows, *arrays, x, dual, status, *work)
     return x, dual, status
 
 

@@ -12,42 +12,25 @@ MRTS_EXPORT void mrts_batch_work(int k, int rows, long long *reals, long long *i
     *ints = MRTS_LP_IWORK(k, rows) + MRTS_QP_IWORK(k, rows) + MRTS_CURVE_IWORK(k, rows) + (MRTS_CURVE_BASES + 2) * (k + 1);
 }
 
-/* `count` linear programs, each started from the answer of the one before. Limits of rows and, after them, of the
- * unknowns, Shape (count, rows + k). Multipliers likewise: g + A'dual_rows + dual_unknowns = 0. */
-MRTS_EXPORT void mrts_lp_batch(long long count, int k, int rows, const double *g, const double *A, const double *lower,
-                               const double *upper, double *x, double *dual, unsigned char *status, double *work,
-                               int *iwork) {
-    double *y = work + MRTS_LP_WORK(k);
-    int *basis = iwork + MRTS_LP_IWORK(k, rows), entering;
+/* `count` linear programs, or with H strictly convex quadratic ones; each linear one starts from the answer of the one before.
+ * Limits of rows and, after them, of the unknowns, Shape (count, rows + k). Multipliers likewise: Hx + g + A'dual_rows +
+ * dual_unknowns = 0. */
+MRTS_EXPORT void mrts_solve_batch(long long count, int k, int rows, const double *H, const double *g, const double *A,
+                                  const double *lower, const double *upper, double *x, double *dual, unsigned char *status,
+                                  double *work, int *iwork) {
+    double *y = work + MRTS_LP_WORK(k) + MRTS_QP_WORK(k);
+    int *basis = iwork + MRTS_LP_IWORK(k, rows) + MRTS_QP_IWORK(k, rows), binding = k, entering = 0;
     basis[0] = 0;
-    for (long long n = 0; n < count; ++n) {
+    for (long long n = 0; n < count; ++n, g += k, A += k * rows, x += k) {
         const double *lo = lower + n * (rows + k), *up = upper + n * (rows + k);
         double *d = dual + n * (rows + k);
-        const int found =
-            mrts_lp_again(k, rows, A + n * k * rows, lo, up, g + n * k, basis, x + n * k, y, &entering, work, iwork);
+        const int found = H ? mrts_qp(k, rows, H + n * k * k, A, lo, up, g, x, basis, y, &binding, work, iwork)
+                            : mrts_lp_again(k, rows, A, lo, up, g, basis, x, y, &entering, work, iwork);
         for (int i = 0; i < rows + k; ++i) d[i] = 0;
-        for (int j = 0; j < k; ++j) d[mrts_abs(basis[j]) - 1] = -y[j];
+        for (int j = 0; j < binding; ++j) d[mrts_abs(basis[j]) - 1] = H && basis[j] > 0 ? y[j] : -y[j];
         if (entering) d[mrts_abs(entering) - 1] = entering < 0 ? -1 : 1;
         status[n] = (unsigned char)found;
         if (found != MRTS_OPTIMAL) basis[0] = 0;
-    }
-}
-
-/* `count` strictly convex quadratic programs; as above, with Hx + g + A'dual_rows + dual_unknowns = 0. */
-MRTS_EXPORT void mrts_qp_batch(long long count, int k, int rows, const double *H, const double *g, const double *A,
-                               const double *lower, const double *upper, double *x, double *dual, unsigned char *status,
-                               double *work, int *iwork) {
-    double *u = work + MRTS_QP_WORK(k);
-    int *active = iwork + MRTS_QP_IWORK(k, rows), active_count;
-    for (long long n = 0; n < count; ++n) {
-        const double *lo = lower + n * (rows + k), *up = upper + n * (rows + k);
-        double *d = dual + n * (rows + k);
-        status[n] = (unsigned char)mrts_qp(k, rows, H + n * k * k, A + n * k * rows, lo, up, g + n * k, x + n * k, active,
-                                           u, &active_count, work, iwork);
-        for (int i = 0; i < rows + k; ++i) d[i] = 0;
-        for (int j = 0; j < active_count; ++j) {
-            d[mrts_abs(active[j]) - 1] = active[j] < 0 ? -u[j] : u[j];
-        }
     }
 }
 

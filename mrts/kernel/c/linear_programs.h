@@ -326,8 +326,9 @@ static inline int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *
     int cold = basis[0] == 0, status = MRTS_STOPPED, updates = 0, tried_again = 0, turns = 0;
 
     *entering = 0;
+start:
     for (int j = 0; j < k; ++j) {
-        row[j] = cold ? rows + j : (basis[j] < 0 ? -basis[j] : basis[j]) - 1;
+        row[j] = cold ? rows + j : mrts_abs(basis[j]) - 1;
         side[j] = cold ? MRTS_FREE : basis[j] < 0 ? MRTS_AT_LOWER : MRTS_AT_UPPER;
     }
 restart:
@@ -338,11 +339,7 @@ restart:
     start_cold:
         if (cold) goto done;
         cold = 1;
-        for (int j = 0; j < k; ++j) {
-            row[j] = rows + j;
-            side[j] = MRTS_FREE;
-        }
-        goto restart;
+        goto start;
     }
     for (int i = 0; i < rows + k; ++i) in_basis[i] = 0;
     for (int j = 0; j < k; ++j) in_basis[row[j]] = 1;
@@ -378,7 +375,7 @@ restart:
             mrts_lp_place(k, lower, upper, row, side, C, x);
             continue;
         }
-        const int p = (found < 0 ? -found : found) - 1;
+        const int p = mrts_abs(found) - 1;
         const mrts_real sign = found > 0 ? 1 : -1;
         mrts_lp_alpha(k, rows, A, p, C, alpha);
         const int q = mrts_lp_ratio(k, lower, upper, row, side, y, alpha, sign, excess, bland, passed);

@@ -65,15 +65,6 @@ static int mrts_same_corner(const double *p, const double *q) {
     return MRTS_ABS(p[0] - q[0]) + MRTS_ABS(p[1] - q[1]) <= MRTS_OUTSIDE * mrts_corner_size(p);
 }
 
-static int mrts_keeps_limits(const mrts_polytope *in, const double *z) {
-    for (int row = 0; row < in->rows + in->k; ++row) {
-        const double value = mrts_lp_value(in->rows, in->A, in->k, row, z), low = in->lower[row], high = in->upper[row];
-        if (!(low - value <= MRTS_FEASIBLE * (1 + MRTS_ABS(low)))) return 0;
-        if (!(value - high <= MRTS_FEASIBLE * (1 + MRTS_ABS(high)))) return 0;
-    }
-    return 1;
-}
-
 /* The basis of the corner of an outline that lies furthest in a direction, or another where there is none. */
 static const int *mrts_towards(int k, const mrts_outline *outline, const double *direction, const int *other) {
     double most = -MRTS_INFINITY;
@@ -92,6 +83,7 @@ static int mrts_furthest(const mrts_polytope *in, const mrts_polygon *of, const 
     const int k = in->k;
     double *g = of->work, *z = g + k, *y = z + k, *inverse = y + k; /* mrts_lp leaves its columns there */
     int entering, status = MRTS_STOPPED;
+    double unused;
     for (int j = 0; j < k; ++j) g[j] = 0;
     g[k - 2] = -direction[0];
     g[k - 1] = -direction[1];
@@ -102,7 +94,10 @@ static int mrts_furthest(const mrts_polytope *in, const mrts_polygon *of, const 
         corner.basis[0] = 0;
     }
     /* rows that are alike but for rounding leave multipliers of either sign: nearly the furthest is good enough */
-    if (status == MRTS_STOPPED && mrts_keeps_limits(in, z)) status = MRTS_OPTIMAL;
+    for (int row = 0; row < in->rows + k; ++row) of->iwork[row] = 0;
+    if (status == MRTS_STOPPED && !mrts_lp_price(k, in->rows, in->A, in->lower, in->upper, z, of->iwork, 0, &unused)) {
+        status = MRTS_OPTIMAL;
+    }
     if (status != MRTS_OPTIMAL) corner.basis[0] = 0;
     corner.at[0] = z[k - 2];
     corner.at[1] = z[k - 1];

@@ -852,10 +852,6 @@ enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
 #define MRTS_SMOOTH_ROUNDING 1e-13 /* of a sum, what is left of it where all of it cancels */
 #define MRTS_SMOOTH_LEAST 0.1      /* of x: what a step leaves of it at least */
 
-static long long mrts_smooth_all_slots(const mrts_smooth_program *p) {
-    return (long long)p->nodes * mrts_smooth_slots(p) + 2;
-}
-
 static long long mrts_smooth_duration_slot(const mrts_smooth_program *p) {
     return (long long)p->nodes * mrts_smooth_slots(p);
 }
@@ -868,13 +864,13 @@ static int mrts_smooth_relaxes(const mrts_smooth_program *p, long long slot) {
 /* Reals of the iterate that a program leaves at the end of its work for one that is near: slacks and multipliers of all slots,
  * F, control points of x, and the unit of the objective. */
 MRTS_EXPORT long long mrts_smooth_kept(const mrts_smooth_program *p) {
-    return 2 * mrts_smooth_all_slots(p) + (long long)p->nodes * (p->free + 1) + 2;
+    return 2 * (mrts_smooth_share_slot(p) + 1) + (long long)p->nodes * (p->free + 1) + 2;
 }
 
 /* A state laid out in memory, the gradients' parts and those of the steps in a row; how many reals it takes. */
 static long long mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *at) {
     const long long n = p->nodes, r = p->rows, f = n * p->free, nr = n * r, cones = n * p->cones, c = p->changes;
-    const long long slots = mrts_smooth_all_slots(p), unknowns = mrts_front_unknowns(p);
+    const long long slots = mrts_smooth_share_slot(p) + 1, unknowns = mrts_front_unknowns(p);
     const struct {
         double **of;
         long long size;

@@ -74,18 +74,12 @@ static inline void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *bo
 
 /* b of L b = b, and of L' b = b. */
 static inline void mrts_lane_forward(int k, const mrts_lanes *L, mrts_lanes *b) {
-    for (int i = 0; i < k; ++i) {
-        mrts_lanes sum = b[i];
-        for (int l = 0; l < i; ++l) sum -= L[i * k + l] * b[l];
-        b[i] = sum * L[i * k + i];
-    }
+    for (int i = 0; i < k; ++i) b[i] = mrts_less_lanes(i, b[i], L + i * k, 1, b) * L[i * (k + 1)];
 }
 
 static inline void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b) {
     for (int i = k - 1; i >= 0; --i) {
-        mrts_lanes sum = b[i];
-        for (int l = i + 1; l < k; ++l) sum -= L[l * k + i] * b[l];
-        b[i] = sum * L[i * k + i];
+        b[i] = mrts_less_lanes(k - 1 - i, b[i], L + (i + 1) * k + i, k, b + i + 1) * L[i * (k + 1)];
     }
 }
 
