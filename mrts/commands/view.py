@@ -120,7 +120,7 @@ def run(
             title = f"c² = {state.trajectory.c2:.4g}"
         elif state.timing.smooth is None:
             title = "fastest timing"
-        clips.append(Clip(title, state.trajectory, state.card, state.result.options.rates))
+        clips.append(Clip(title, state.trajectory, state.card.deciding, state.result.options.rates))
     elif motion is not None:
         played, limited = load_motion(motion), options.compiled_cell(cell, **take(given, options.LIMITS))
         for side in of_films.get("side_by_side", ["fastest"]):
@@ -146,7 +146,7 @@ def _saved(path: Path) -> "PlayerState":
 
 def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
     """Write a picture, at a moment [s] or in the middle, and a film; the exit code is whether all keeps its limits."""
-    from mrts.scene.film import write_film, write_picture
+    from mrts.output.film import write_film, write_picture
 
     longest = max(clip.trajectory.duration for clip in clips)
     moment = longest / 2 if at is None else at
@@ -180,7 +180,7 @@ def _side_clip(
     else:
         titles = {"fastest": f"constant factor {state.trajectory.c:.3g}", "optimal": "fastest timing"}
         title = titles.get(side, "smooth timing")
-    return Clip(title, state.trajectory, state.card, state.result.options.rates), state.admissible
+    return Clip(title, state.trajectory, state.card.deciding, state.result.options.rates), state.admissible
 
 
 def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":

@@ -9,8 +9,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_path, check_type
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
+from mrts.following.joint_columns import required_columns
 from mrts.motion.csv_motion import read_joint_columns
-from mrts.motion.joint_table import JointTable, required_columns
+from mrts.motion.joint_table import JointTable
 from mrts.motion.ros_messages import DERIVATIVES, KIND, bag_messages, is_bag, joint_columns
 from mrts.motion.rows_at_rest import moving_rows
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory

@@ -24,9 +24,10 @@ from mrts.following.coordinated_motion import (
     follow_object,
     unchecked_coordinated_motion,
 )
+from mrts.following.joint_columns import MOST_NAMED, required_columns
 from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits, check_regular, joints_on_grasps, tip_rates
 from mrts.kernel.tracking import closure_sizes
-from mrts.motion.joint_table import MOST_NAMED, JointTable, required_columns
+from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
 WITHIN = Rule(gt=0, le=0.1)

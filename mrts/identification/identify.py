@@ -23,8 +23,8 @@ from mrts.base.words import first_names
 from mrts.base.yaml_text import yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
+from mrts.following.joint_columns import MOST_NAMED, columns_by_joint, required_columns
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
-from mrts.motion.joint_table import MOST_NAMED, columns_by_joint, required_columns
 
 DEFAULT_CUTOFF = 20.0
 """Of the filter [Hz]: ten times what large arms move at, far below where counted positions have their noise."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
 """What is given: motion of the object and of joints along time, read from files.
 
-May import base to cell. Start at `object_motion.py`.
+May import base. Start at `object_motion.py`.
 """

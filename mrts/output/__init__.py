@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A result as files: saved, as tables and bags, for a controller, and as a report, one HTML file that opens offline.
+"""A result as files: saved, as tables and bags, for a controller, as films, as a report (one HTML file, opens offline).
 
 May import base to starting. Start at `saved_result.py`; `report_page.py` needs the extra 'report' (plotly, Jinja).
 """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is plotted of a result, a study or an identification, as data, and what draws it.
 
-matplotlib (the extra 'plot') draws files, plotly the pages of `mrts.output`. May import base to studies.
+matplotlib (the extra 'plot') draws files, plotly the pages of `mrts.output`. May import base to scene.
 Start at `plot.py`.
 
 Names are imported on first use: the command line takes its answer from here without studies or timings.

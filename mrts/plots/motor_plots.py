@@ -3,8 +3,9 @@
 
 import numpy as np
 
+from mrts.base.colours import COLOURS
 from mrts.identification.identify import ArmMotors
-from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, Points
+from mrts.plots.plot import Axis, Item, Line, Panel, Plot, Points
 
 
 def motor_plot(arm: ArmMotors) -> Plot:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.plots.plot import ADMISSIBLE, COLOURS, Axis, Band, Item, Line, Panel, Plot, one_panel, upright
+from mrts.base.colours import COLOURS
+from mrts.plots.plot import ADMISSIBLE, Axis, Band, Item, Line, Panel, Plot, one_panel, upright
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import TimedPiece
 

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from mrts.base.colours import COLOURS
 from mrts.control.simulate import ReserveSearch, Simulation
 from mrts.control.speed_override import Stops
 from mrts.plots.plot import (
     ADMISSIBLE,
-    COLOURS,
     Axis,
     Item,
     Line,

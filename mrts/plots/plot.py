@@ -13,10 +13,8 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.colours import COLOURS
 from mrts.base.errors import cut, printable
-
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-"""Okabe and Ito (2008): distinguishable with every kind of colour vision."""
 
 ADMISSIBLE, CONFLICT = COLOURS[2], COLOURS[6]
 END_COLOURS = {"upper": COLOURS[1], "lower": COLOURS[0], "conflict": CONFLICT}

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.colours import COLOURS
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.plots.card import answer_card
 from mrts.plots.plot import (
     ADMISSIBLE,
-    COLOURS,
     CONFLICT,
     END_COLOURS,
     MARGIN,

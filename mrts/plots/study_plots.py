@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.colours import COLOURS
 from mrts.base.errors import InputError
 from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
-from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, Points, level
+from mrts.plots.plot import Axis, Item, Line, Panel, Plot, Points, level
 from mrts.program.range_status import RangeStatus
 from mrts.studies.study_folder import read_study_folder
 from mrts.studies.variants import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE

@@ -8,11 +8,12 @@ from itertools import zip_longest
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.colours import COLOURS
 from mrts.base.errors import check_type
 from mrts.limits.rows import RATES
 from mrts.plots.card import answer_card
 from mrts.plots.phase_plane import phase_plane_plot
-from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, curves_panel, level, look, shortened, time_axis
+from mrts.plots.plot import Axis, Item, Line, Panel, Plot, curves_panel, level, look, shortened, time_axis
 from mrts.plots.range_plots import range_plot
 from mrts.program.rate_limits import RateLimits
 from mrts.scaling.result import ScalingResult

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, require_extra
-from mrts.plots.card import Card
 from mrts.program.rate_limits import RateLimits
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory
 from mrts.scene.arm_meshes import Warn, drawn_arms
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import Surface, held_body, outlines, shape_surface
@@ -73,11 +72,11 @@ Frame = NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion that is played, what is said of it, and rates that it keeps."""
+    """A motion that is played, the limit that decides its speed, and rates that it keeps."""
 
     title: str
     trajectory: ScaledTrajectory
-    card: Card
+    deciding: LimitUse | None
     rates: RateLimits | None = None
 
     @cached_property
@@ -124,7 +123,7 @@ class SceneRenderer:
             name = f"surroundings/{number}"
             self._add_surface(self._spec.worldbody, name, shape_surface(cell, one), SURROUNDINGS, SEE_THROUGH)
         for number, parts in enumerate(drawn_arms(cell, warn)):
-            robot, found = cell.robots[number], clip.card.deciding
+            robot, found = cell.robots[number], clip.deciding
             deciding = None if found is None else found.body(robot)
             bodies = [
                 self._spec.worldbody.add_body(name=f"{number}/{index}", mocap=True)

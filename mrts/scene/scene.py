@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.colours import COLOURS
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.following.bodies import body_poses
-from mrts.plots.plot import COLOURS
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 Rgb = tuple[int, int, int]

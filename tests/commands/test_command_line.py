@@ -13,7 +13,7 @@ from shipped_cells import cell_file, changed_cell, shipped
 
 import mrts
 from mrts.cli import main
-from mrts.scene import film
+from mrts.output import film
 
 CELL, LIFT = str(DATA / "cell.yaml"), str(DATA / "lift.yaml")
 

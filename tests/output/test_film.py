@@ -13,11 +13,11 @@ from PIL import Image
 from shipped_cells import shipped
 
 import mrts
+from mrts.output import film
+from mrts.output.film import KIND_COLOURS, Composition, write_film, write_picture
 from mrts.plots.card import answer_card
 from mrts.plots.trajectory_plots import limit_shares
-from mrts.scene import film
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at
-from mrts.scene.film import KIND_COLOURS, Composition, write_film, write_picture
 from mrts.scene.renderer import Clip, SceneRenderer
 from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, blended, suited_pace
 
@@ -45,7 +45,7 @@ sys.exit(main(sys.argv[1:]))
 
 
 def clip_of(title, result):
-    return Clip(title, result.trajectory, answer_card(result))
+    return Clip(title, result.trajectory, answer_card(result).deciding)
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ from matplotlib.text import Text
 from PIL import Image
 
 from mrts.base.atomic_file import write_atomically
+from mrts.base.colours import COLOURS
 from mrts.base.errors import InputError, Progress, cut, printable
-from mrts.plots.plot import COLOURS
 from mrts.plots.trajectory_plots import limit_shares
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at
@@ -162,7 +162,7 @@ class Composition:
         if number > 0:
             text += f", {self._clips[0].trajectory.duration / done.duration:.3g} × as fast"
         self._put(left, 42, text, TEXT, room, color=FAINT)
-        if (limit := clip.card.deciding) is not None:
+        if (limit := clip.deciding) is not None:
             used = f"limit: {limit.label}, {100 * limit.share:.0f} % at {limit.time:.2g} s"
             self._put(left, 60, used, TEXT, room, color=FAINT if limit.nearness != "reached" else rgba(OVER_LIMIT))
 
