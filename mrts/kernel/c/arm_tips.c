@@ -157,9 +157,7 @@ MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, 
     }
 }
 
-/* How far given joints are from holding an object that moves as given, over all samples of a motion. */
-
-/* What is told of an arm, the largest of all samples: the distance of its tip from its grasp, squared [m^2], the squares of
+/* How far given joints are from holding an object that moves as given. What is told of an arm, the largest of all samples: the distance of its tip from its grasp, squared [m^2], the squares of
  * the differences of their rotation matrices, summed, and the largest component of velocities and of accelerations, of what
  * holds the grasp or of the tip, and of their differences, in base axes. */
 enum { MRTS_APART, MRTS_TURNED, MRTS_VELOCITY, MRTS_SLIP, MRTS_CHANGE, MRTS_CHANGE_SLIP, MRTS_CLOSURE_SIZES };

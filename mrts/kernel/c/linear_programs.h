@@ -121,22 +121,6 @@ static mrts_real mrts_lp_refine(int k, int rows, const mrts_real *A, const mrts_
     return worst;
 }
 
-/* rest -= y a_row; the largest term */
-static mrts_real mrts_lp_take(int k, int rows, const mrts_real *A, int row, mrts_real y, mrts_real *rest) {
-    mrts_real size = 0;
-    if (y == 0) return 0;
-    if (row >= rows) {
-        rest[row - rows] -= y;
-        return MRTS_ABS(y);
-    }
-    for (int i = 0; i < k; ++i) {
-        const mrts_real term = y * A[row * k + i];
-        rest[i] -= term;
-        size = mrts_larger(MRTS_ABS(term), size);
-    }
-    return size;
-}
-
 /* How far g (none: zero) is from sum_j y_j a_j and one more row with its multiplier, relative to the largest term */
 static mrts_real mrts_lp_stationarity(int k, int rows, const mrts_real *A, const mrts_real *g, const int *row,
                                       const mrts_real *y, int more, mrts_real its_y, mrts_real *rest) {
@@ -146,21 +130,21 @@ static mrts_real mrts_lp_stationarity(int k, int rows, const mrts_real *A, const
         size = mrts_larger(MRTS_ABS(rest[i]), size);
     }
     for (int j = -1; j < k; ++j) {
-        size = mrts_larger(mrts_lp_take(k, rows, A, j < 0 ? more : row[j], j < 0 ? its_y : y[j], rest), size);
+        const int its = j < 0 ? more : row[j];
+        const mrts_real weight = j < 0 ? its_y : y[j];
+        for (int i = 0; i < k && its < rows && weight != 0; ++i) {
+            const mrts_real term = weight * A[its * k + i];
+            rest[i] -= term;
+            size = mrts_larger(MRTS_ABS(term), size);
+        }
+        if (its < rows) continue;
+        rest[its - rows] -= weight;
+        size = mrts_larger(MRTS_ABS(weight), size);
     }
     for (int i = 0; i < k; ++i) {
         if (!(MRTS_ABS(rest[i]) <= worst)) worst = MRTS_ABS(rest[i]);
     }
     return size > 0 ? worst / size : worst;
-}
-
-/* Multipliers of a basis, refined once against the cost; how uneven they are left, as above */
-static mrts_real mrts_lp_refine_multipliers(int k, int rows, const mrts_real *A, const mrts_real *g, const int *row,
-                                            const mrts_real *C, mrts_real *y, mrts_real *rest) {
-    mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, rest);
-    if (uneven <= MRTS_FEASIBLE / 100) return uneven; /* nothing to gain */
-    for (int j = 0; j < k; ++j) y[j] += mrts_dot(k, rest, C + j * k);
-    return mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, rest);
 }
 
 /* Rebuilds the inverse for the rows of a basis; rows that depend on others are replaced by unknowns. */
@@ -350,7 +334,11 @@ restart:
         const int bland = iteration >= bland_from;
         const int found = mrts_lp_price(k, rows, A, lower, upper, x, in_basis, bland, &excess);
         if (found == 0) {
-            const mrts_real uneven = mrts_lp_refine_multipliers(k, rows, A, g, row, C, y, alpha);
+            mrts_real uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, alpha);
+            if (!(uneven <= MRTS_FEASIBLE / 100)) { /* multipliers are refined once against the cost */
+                for (int j = 0; j < k; ++j) y[j] += mrts_dot(k, alpha, C + j * k);
+                uneven = mrts_lp_stationarity(k, rows, A, g, row, y, 0, 0, alpha);
+            }
             /* pivots too small to count may have left a multiplier with the wrong sign; it may be of either sign for ever */
             int changed = turns < k ? mrts_lp_choose_sides(k, lower, upper, row, side, y, MRTS_SEPARATED) : 0;
             if (changed < 0) goto start_cold;

@@ -352,11 +352,6 @@ static mrts_lane_mask mrts_known_outline(const mrts_lane_polytopes *in, const mr
     return known;
 }
 
-/*
- * The admissible pairs of u and x of whole batches in one call from Python.
- * Work is cut into chunks of fixed length by the caller, so results do not depend on the number of threads.
- */
-
 /* The largest coefficient of each unknown in rows which[0 .. rows - 1] of `all` rows of A, without its sign: Shape (count, k).
  * Zeros on entry. */
 MRTS_EXPORT void mrts_effects(long long count, int k, int all, int rows, const int *which, const double *A,

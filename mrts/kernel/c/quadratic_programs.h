@@ -68,12 +68,6 @@ static void mrts_qp_drop(int k, int count, int out, mrts_real *J, mrts_real *R) 
     }
 }
 
-/* A row, or the unit vector of the unknown row - rows, with a sign. */
-static void mrts_row_of(int k, int rows, const mrts_real *A, int row, mrts_real sign, mrts_real *a) {
-    for (int i = 0; i < k; ++i) a[i] = row < rows ? sign * A[row * k + i] : 0;
-    if (row >= rows) a[row - rows] = sign;
-}
-
 /* One step of refinement of x and u on the active rows, whose residuals are solved for. */
 static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real *R, const mrts_real *gradient,
                            mrts_real *w, mrts_real *x, mrts_real *u) {
@@ -128,7 +122,8 @@ static inline int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *
         }
         const int p = mrts_abs(found) - 1;
         mrts_real multiplier = 0, missing = excess; /* a'x >= b is missed by this much */
-        mrts_row_of(k, rows, A, p, found < 0 ? 1 : -1, a);
+        const mrts_real sign = found < 0 ? 1 : -1;
+        for (int i = 0; i < k; ++i) a[i] = p < rows ? sign * A[p * k + i] : p - rows == i ? sign : 0;
         for (;;) {
             mrts_real curvature = 0, size = 0, full = MRTS_INFINITY, part = MRTS_INFINITY;
             int out = -1;

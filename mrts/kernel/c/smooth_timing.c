@@ -114,10 +114,6 @@ static inline int mrts_smooth_slots(const mrts_smooth_program *p) {
     return mrts_smooth_node_slots(p) + 2 * (p->changes + 2 * p->jerks);
 }
 
-/*
- * Values of the constraints of smooth timing at a profile, what a step changes in them, and what multipliers pull at.
- */
-
 #define MRTS_SMOOTH_APEX 1e-4 /* of a limit: cones are rounded there, and narrower by half its square at most */
 
 static void mrts_smooth_tangents(const mrts_smooth_program *p, mrts_smooth_state *state, const double *around) {
@@ -362,8 +358,6 @@ static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *
     }
 }
 
-/* The objective of smooth timing and all second derivatives, by nodes and segments, along x, u and the rows' values. */
-
 /* Half the lengths of the segments beside a node: the trapezoidal rule. */
 static double mrts_smooth_spacing(const mrts_smooth_program *p, int k) {
     return ((k > 0 ? p->step[k - 1] : 0) + (k < p->nodes - 1 ? p->step[k] : 0)) / 2;
@@ -460,15 +454,6 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
     mrts_smooth_cone_second(p, state, below + r, state->y + (long long)k * slots + 2 * r, k, state->node_second + 3 * k);
 }
 
-/* Of a segment: the duration, weighed by `time`. */
-static void mrts_smooth_time_second(const mrts_smooth_program *p, mrts_smooth_state *state, double time, int k) {
-    const double x = state->x[k], next = state->x[k + 1], root = sqrt(x), root1 = sqrt(next), sum = root + root1;
-    const double by = time * p->step[k] / (sum * sum);
-    state->node_second[3 * k] += by * (1 / (sum * x) + 1 / (2 * x * root));
-    state->node_second[3 * k + 3] += by * (1 / (sum * next) + 1 / (2 * next * root1));
-    state->segment_second[4 * k] += by / (sum * root * root1);
-}
-
 static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weights,
                                       int k) {
     const int r = p->rows, c = p->changes;
@@ -538,12 +523,16 @@ static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *
     for (int k = 0; k < n; ++k) mrts_smooth_node_second(p, state, k);
     for (int k = 0; k < n - 1; ++k) {
         const long long at = (long long)k * slots + mrts_smooth_node_slots(p);
-        for (int i = 0; i < 4; ++i) state->segment_second[4 * k + i] = 0;
-        mrts_smooth_time_second(p, state, time, k);
-        const double even = 2 * p->uneven / (state->unit * p->step[k]);
-        state->node_second[3 * k + 2] += even;
-        state->node_second[3 * k + 5] += even;
-        state->segment_second[4 * k + 3] -= even;
+        double *node = state->node_second + 3 * k, *segment = state->segment_second + 4 * k;
+        const double x = state->x[k], next = state->x[k + 1], root = sqrt(x), root1 = sqrt(next), sum = root + root1;
+        const double by = time * p->step[k] / (sum * sum), even = 2 * p->uneven / (state->unit * p->step[k]);
+        node[0] += by * (1 / (sum * x) + 1 / (2 * x * root));
+        node[2] += even;
+        node[3] += by * (1 / (sum * next) + 1 / (2 * next * root1));
+        node[5] += even;
+        segment[0] = by / (sum * root * root1);
+        segment[1] = segment[2] = 0;
+        segment[3] = -even;
         mrts_smooth_change_second(p, state, state->weight + at, k);
         mrts_smooth_jerk_second(p, state, state->weight + at + 2 * p->changes, k);
     }

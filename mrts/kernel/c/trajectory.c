@@ -205,10 +205,6 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     return 0;
 }
 
-/*
- * The least torques of several samples: the minimiser on the active rows of the sample before, refined twice and verified.
- */
-
 /* The quadratic programs of the torques of several samples, over the scaled free wrenches. */
 typedef struct {
     const mrts_rows_lanes *rows;
@@ -311,16 +307,12 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     return 0;
 }
 
-/*
- * The range of c^2 over the whole motion of many variants: the intersection of those of their samples, and what sets its ends.
- */
-
 /* Most rows that are named at an end, or near to it. */
 #define MRTS_MOST_NAMED (4 * MRTS_UNKNOWNS)
 
 enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
 
-/* Where a variant's range ends, and why. */
+/* Where the range of c^2 over a variant's whole motion ends, the intersection of those of its samples, and why. */
 typedef struct {
     int status;    /* MRTS_OPTIMAL, MRTS_INFEASIBLE at sample[0], or MRTS_STOPPED */
     int capped;    /* whether limits of the motion alone bound the largest c^2 */
@@ -413,20 +405,6 @@ static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, 
     return 1;
 }
 
-/* Names the rows of a certificate, whose limits exclude each other: of the basis those with a multiplier, and the one
- * that was to enter. Bounds of c^2 are none. */
-static void mrts_name_conflict(const mrts_limits *limits, const mrts_rows *rows, const int *basis, const double *y,
-                               int entering, mrts_variant_range *range) {
-    double largest = 1;
-    range->count[0] = 0;
-    for (int j = 0; j < MRTS_VK; ++j) largest = fmax(largest, fabs(y[j]));
-    for (int j = -1; j < MRTS_VK; ++j) {
-        const int row = mrts_abs(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
-        if (row > rows->count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
-        mrts_name(limits, rows, above ? row : -row, 0, range);
-    }
-}
-
 /* Share of an end by which another sample's may differ and still count as the same: twice that of the samples that tie.
  */
 #define MRTS_TIE 1e-7
@@ -496,13 +474,21 @@ static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant
     return mrts_name_rows(&in->here, &in->rows, end, its, x, basis, y, range, in->work, in->iwork) ? MRTS_OPTIMAL : MRTS_STOPPED;
 }
 
+/* Names the rows of a sample's certificate, whose limits exclude each other: of the basis those with a multiplier, and the one
+ * that was to enter. Bounds of c^2 are none. */
 static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_range *range) {
-    double x[MRTS_VK], y[MRTS_VK], c2;
+    double x[MRTS_VK], y[MRTS_VK], c2, largest = 1;
     int basis[MRTS_VK], entering;
     const int status = mrts_exact_end(in, n, 0, basis, &c2, x, y, &entering);
     range->sample[0] = (int)n;
+    range->count[0] = 0;
     if (status != MRTS_INFEASIBLE) return MRTS_STOPPED;
-    mrts_name_conflict(in->here.limits, &in->rows, basis, y, entering, range);
+    for (int j = 0; j < MRTS_VK; ++j) largest = fmax(largest, fabs(y[j]));
+    for (int j = -1; j < MRTS_VK; ++j) {
+        const int row = mrts_abs(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
+        if (row > in->rows.count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
+        mrts_name(in->here.limits, &in->rows, above ? row : -row, 0, range);
+    }
     return status;
 }
 

@@ -68,18 +68,11 @@ static void mrts_qp_drop(int k, int count, int out, mrts_real *J, mrts_real *R) 
     }
 }
 
-/* A row, or the unit vector of the unknown row - rows, with a sign. */
-static void mrts_row_of(int k, int rows, const mrts_real *A, int row, mrts_real sign, mrts_real *a) {
-    for (int i = 0; i < k; ++i) a[i] = row < rows ? sign * A[row * k + i] : 0;
-    if (row >= rows) a[row - rows] = sign;
-}
-
 /* One step of refinement of x and u on the active rows, whose residuals are solved for. */
 static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real *R, const mrts_real *gradient,
                            mrts_real *w, mrts_real *x, mrts_real *u) {
     for (int j = 0; j < count; ++j) { /* R'w = what the rows miss */
-        for (int i = 0; i < j; ++i) w[j] -= R[j * k + i] * w[i];
-        w[j] /= R[j * k + j];
+        w[j] = mrts_less(j, w[j], R + j * k, 1, w) / R[j * k + j];
     }
     for (int j = count; j < k; ++j) w[j] = -mrts_dot(k, J + j * k, gradient);
     for (int j = 0; j < k; ++j) {
@@ -87,8 +80,7 @@ static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real
     }
     for (int j = 0; j < count; ++j) w[j] += mrts_dot(k, J + j * k, gradient);
     for (int j = count - 1; j >= 0; --j) {
-        for (int i = j + 1; i < count; ++i) w[j] -= R[i * k + j] * w[i];
-        w[j] /= R[j * k + j];
+        w[j] = mrts_less(count - 1 - j, w[j], R + (j + 1) * k + j, k, w + j + 1) / R[j * k + j];
         u[j] += w[j];
     }
 }
@@ -128,9 +120,10 @@ static inline int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *
             }
             return mrts_lp_price(k, rows, A, lower, upper, x, is_active, 0, &excess) ? MRTS_STOPPED : MRTS_OPTIMAL;
         }
-        const int p = (found < 0 ? -found : found) - 1;
+        const int p = mrts_abs(found) - 1;
         mrts_real multiplier = 0, missing = excess; /* a'x >= b is missed by this much */
-        mrts_row_of(k, rows, A, p, found < 0 ? 1 : -1, a);
+        const mrts_real sign = found < 0 ? 1 : -1;
+        for (int i = 0; i < k; ++i) a[i] = p < rows ? sign * A[p * k + i] : p - rows == i ? sign : 0;
         for (;;) {
             mrts_real curvature = 0, size = 0, full = MRTS_INFINITY, part = MRTS_INFINITY;
             int out = -1;
@@ -144,13 +137,11 @@ static inline int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *
                 for (int i = 0; i < k; ++i) z[i] += d[j] * J[j * k + i];
             }
             for (int j = m - 1; j >= 0; --j) {
-                r[j] = d[j];
-                for (int i = j + 1; i < m; ++i) r[j] -= R[i * k + j] * r[i];
-                r[j] /= R[j * k + j];
+                r[j] = mrts_less(m - 1 - j, d[j], R + (j + 1) * k + j, k, r + j + 1) / R[j * k + j];
             }
             if (curvature > MRTS_PIVOT * MRTS_PIVOT * size) full = missing / curvature;
             for (int j = 0; j < m; ++j) {
-                const int row = (active[j] < 0 ? -active[j] : active[j]) - 1;
+                const int row = mrts_abs(active[j]) - 1;
                 if (r[j] > 0 && lower[row] < upper[row] && u[j] < part * r[j]) {
                     part = u[j] / r[j];
                     out = j;
@@ -175,7 +166,7 @@ static inline int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *
                 is_active[p] = 1;
                 break;
             }
-            is_active[(active[out] < 0 ? -active[out] : active[out]) - 1] = 0;
+            is_active[mrts_abs(active[out]) - 1] = 0;
             mrts_qp_drop(k, m, out, J, R);
             for (int j = out; j + 1 < m; ++j) {
                 u[j] = u[j + 1];

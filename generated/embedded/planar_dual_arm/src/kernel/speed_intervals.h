@@ -123,13 +123,6 @@ static mrts_real mrts_cut(mrts_curve *curve, mrts_real t) {
     return size;
 }
 
-static void mrts_no_cut(mrts_curve *curve) {
-    mrts_real *row = curve->A + (curve->rows - 1) * curve->n + curve->n - 2;
-    row[0] = row[1] = 0;
-    curve->lower[curve->rows - 1] = -MRTS_INFINITY;
-    curve->upper[curve->rows - 1] = MRTS_INFINITY;
-}
-
 static void mrts_box(mrts_curve *curve, mrts_real least_x, mrts_real most_x, mrts_real least_y, mrts_real most_y) {
     const int x = curve->rows + curve->n - 2;
     curve->lower[x] = least_x;
@@ -226,7 +219,7 @@ static int mrts_outer_ends(mrts_curve *curve, mrts_real reach, mrts_curve_ends *
     if (status != MRTS_OPTIMAL) return status;
     mrts_keep_end(curve, basis, 1, ends);
     basis = ends->basis + MRTS_BASIS_LOWER * n;
-    mrts_no_cut(curve);
+    curve->lower[curve->rows - 1] = -MRTS_INFINITY; /* no cut */
     mrts_box(curve, 0, 0, 0, 0);
     if (mrts_outermost(curve, 0, 0, basis, low, &unused) == MRTS_OPTIMAL) {
         for (int j = 0; j < n; ++j) {
@@ -256,7 +249,7 @@ static inline int mrts_highest_interval(mrts_curve *curve, mrts_real most, mrts_
     const mrts_real top = b.y;
     if (top < below[0].y) b = below[0];
     ends->speed = top;
-    mrts_no_cut(curve);
+    curve->lower[curve->rows - 1] = -MRTS_INFINITY;
     found->high = top >= bound * (1 - MRTS_EDGES * MRTS_ON_CURVE) ? MRTS_INFINITY : b.y;
     found->gap = 0;
     for (int turn = 0; count > 0; ++turn) {
