@@ -37,7 +37,7 @@ from mrts.output.trajectory_table import write_trajectory_csv as write_trajector
 from mrts.program.load_sharing import LoadSharing as LoadSharing
 from mrts.program.range_status import ScalingStatus as ScalingStatus
 from mrts.program.rate_limits import RateLimits as RateLimits
-from mrts.scaling.result import ScalingResult as ScalingResult
+from mrts.scaling.scale import ScalingResult as ScalingResult
 from mrts.scaling.scale import SelectionError as SelectionError
 from mrts.scaling.scale import scale as scale
 from mrts.scaling.scale import torques_for_load as torques_for_load

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.load_sharing import LoadSharing
-    from mrts.scaling.result import ScalingResult
+    from mrts.scaling.scale import ScalingResult
     from mrts.timing.result import RetimingResult
 
 PROBE = "mrts-probe"

@@ -15,8 +15,7 @@ from mrts.limits.rows import row_labels
 from mrts.motion.motion_file import load_motion
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.scaling.result import ScalingResult
-from mrts.scaling.scale import scale
+from mrts.scaling.scale import ScalingResult, scale
 
 NO_EXAMPLE = ("identified_cell.yaml",)
 """Files of the folders of examples that are part of the paper's comparison alone."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.plots.card import Card
-    from mrts.scaling.result import ScalingResult
+    from mrts.scaling.scale import ScalingResult
     from mrts.timing.result import RetimingResult
 
 PROFILES = ("constant", "optimal", "smooth")
@@ -101,8 +101,7 @@ def run(cell: Path, motion: Path, profile: str, json: Path | None = None, **give
     """
     from mrts.motion.motion_file import load_motion
     from mrts.plots.card import answer_card
-    from mrts.scaling.result import ScalingResult
-    from mrts.scaling.scale import SelectionError
+    from mrts.scaling.scale import ScalingResult, SelectionError
 
     _check(profile, given)
     files, how = take(given, FILES), take(given, HOW)

@@ -132,7 +132,7 @@ def run(
 
 def _saved(path: Path) -> "PlayerState":
     from mrts.output.saved_result import load_result
-    from mrts.scaling.result import ScalingResult
+    from mrts.scaling.scale import ScalingResult
     from mrts.viewer.player_state import PlayerState
 
     found = load_result(path)

@@ -30,7 +30,7 @@ from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import ConvexPrograms, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.scaling.options import Options
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, new_times

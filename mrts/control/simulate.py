@@ -21,7 +21,7 @@ from mrts.control.plan_nodes import resting_trajectory, trajectory_of
 from mrts.control.speed_override import SpeedOverride, commanded, wanted_at_ticks
 from mrts.limits.rows import RowName
 from mrts.program.rate_limits import Rates
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory
 from mrts.timing.result import RetimingResult
 

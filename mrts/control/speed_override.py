@@ -16,7 +16,7 @@ from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.csv_motion import read_columns, row_times
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.rate_limits import Rates, rate_limits
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 from mrts.timing.result import RetimingResult
 

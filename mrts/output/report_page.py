@@ -15,7 +15,7 @@ from mrts.plots import phase_plane, range_plots, study_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.plan_plots import simulation_plot, stops_plot
 from mrts.plots.study_plots import StudyTable
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scene.scene import PACES
 from mrts.timing.result import RetimingResult
 

@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.plots.plot import shortened
 from mrts.plots.plotly_drawer import FONT, numbers, plot_text
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scene.cell_view import look_at
 from mrts.scene.held_body import held_body, outlines, shape_surface
 from mrts.scene.scene import FORCE, OBJECT, SEE_THROUGH, SURROUNDINGS, Rgb, Scene, arm_hex, suited_pace

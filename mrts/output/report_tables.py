@@ -11,7 +11,7 @@ from mrts.limits.rows import MOST_NAMES
 from mrts.plots.card import Card
 from mrts.plots.study_plots import OUTCOMES, StudyTable, percent
 from mrts.program.infeasibility import Conflict
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.timing.result import RetimingResult
 
 MOST_BEST = 10

@@ -15,7 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.motion.ros_messages import NANOSECONDS, message_types
 from mrts.output.trajectory_table import played_rows, trajectory_to_write
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer

@@ -26,7 +26,7 @@ from mrts.cell.generation import CellFunctions
 from mrts.cell.record import CellManifest, CellRecord
 from mrts.limits.rows import limit_name
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.result import RetimingResult
 

@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError, as_path, check_type
 from mrts.motion.rows_at_rest import holding_step
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from mrts.base.words import aligned
 from mrts.limits.rows import RowName
 from mrts.scaling.range import LoadStudy, RangeEnd
-from mrts.scaling.result import AT_END, Result, ScalingResult
+from mrts.scaling.scale import AT_END, Result, ScalingResult
 from mrts.scaling.scaled_trajectory import LimitUse
 
 if TYPE_CHECKING:

@@ -33,7 +33,7 @@ from mrts.plots.plot import (
 )
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 
 LANE_HEIGHT = 0.72
 """Of a bar, in lanes."""

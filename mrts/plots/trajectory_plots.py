@@ -16,7 +16,7 @@ from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import Axis, Item, Line, Panel, Plot, curves_panel, level, look, shortened, time_axis
 from mrts.plots.range_plots import range_plot
 from mrts.program.rate_limits import RateLimits
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.scaling.scaled_trajectory import LimitedQuantities, ScaledTrajectory, accumulated_energy
 from mrts.timing.result import RetimingResult
 

@@ -19,8 +19,7 @@ from mrts.cell.cell_keys import pose_keys
 from mrts.following.clearance import clearance_remarks
 from mrts.motion.motion_file import load_motion
 from mrts.program.between_samples import BETWEEN
-from mrts.scaling.result import ScalingResult
-from mrts.scaling.scale import scale
+from mrts.scaling.scale import ScalingResult, scale
 from mrts.starting.arm import Arm
 from mrts.starting.layouts import Layout, Stand, drawn_postures, layouts
 from mrts.starting.request import Request

@@ -36,8 +36,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.program.between_samples import BETWEEN, checked_tolerance
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.scaling.result import ScalingResult, kept_text
-from mrts.scaling.scale import scale
+from mrts.scaling.scale import ScalingResult, kept_text, scale
 from mrts.studies.parameters import Distribution, sample_points
 from mrts.studies.study import Study, read_study
 

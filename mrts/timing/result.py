@@ -25,8 +25,7 @@ from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.options import Options
 from mrts.scaling.remarks import motion_remarks
-from mrts.scaling.result import Result, ScalingResult, kept_text
-from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
+from mrts.scaling.scale import Result, ScalingResult, SelectionError, chosen_factor, kept_text, with_torques
 from mrts.scaling.scaled_trajectory import LimitUse
 from mrts.scaling.what_if import SpeedAnswer, SpeedQuestion, WhatIf
 from mrts.timing.path_pieces import PathPiece

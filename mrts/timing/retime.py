@@ -23,8 +23,7 @@ from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import LEAST_EFFORT, Goal
 from mrts.scaling.options import Options, limited_cell
 from mrts.scaling.remarks import interpolated, motion_remarks
-from mrts.scaling.result import Remarks, ScalingResult
-from mrts.scaling.scale import with_torques
+from mrts.scaling.scale import Remarks, ScalingResult, with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing, without_sharp_turns
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.result import RetimingResult, RetimingStatus

@@ -29,8 +29,7 @@ from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import motion_torques, torque_weights, torques_by_blocks
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
-from mrts.scaling.scale import SelectionError, admitted_factor, scale
+from mrts.scaling.scale import LIMIT_TOLERANCE, ScalingResult, SelectionError, admitted_factor, scale
 from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory, by_share
 from mrts.scene.scene import Scene
 from mrts.timing.result import RetimingResult

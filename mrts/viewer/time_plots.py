@@ -17,7 +17,7 @@ from mrts.plots.plot import END_COLOURS, Axis, Line, Panel, level, shortened, ti
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
 from mrts.plots.trajectory_plots import limits_plot
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import ScalingResult
 from mrts.viewer.workbench import Answer
 
 HEIGHT = 130

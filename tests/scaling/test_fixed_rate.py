@@ -34,7 +34,7 @@ def test_a_plan_at_250_hz_keeps_all_limits_and_ends_at_rest(name, dual_ur5, lift
         assert not np.any(np.abs(rows["dq"][row]) > 1e-9)
         assert not np.any(rows["ddq"][row]) or not done.holding.ends[row]
     residuals = sampled.residuals()
-    assert residuals.limits <= mrts.scaling.result.LIMIT_TOLERANCE
+    assert residuals.limits <= mrts.scaling.scale.LIMIT_TOLERANCE
     assert max(residuals.arms, residuals.object) <= ROUNDING
     moved = np.diff(done.q, axis=0) - (done.dq[:-1] + done.dq[1:]) / 500
     bent = np.max(np.abs(np.diff(done.ddq, axis=0)), axis=0) / 12 / 250**2  # of the trapezoidal rule
