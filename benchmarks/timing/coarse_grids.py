@@ -29,7 +29,7 @@ from mrts.base.errors import MotionError
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import PROFILES
 from mrts.timing.path_pieces import PathError, path_pieces
-from mrts.timing.retimed_motion import TimedPiece
+from mrts.timing.result import TimedPiece
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import DUAL, MOTIONS, duration, model_with_box, one_arm

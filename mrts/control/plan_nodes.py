@@ -32,8 +32,7 @@ from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.scaling.options import Options
 from mrts.scaling.scale import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, new_times
+from mrts.timing.result import RetimingResult, TimedPiece, at_segment_ends, new_times
 
 HARDEST = 0.98
 """Share of the hardest braking and acceleration, and of the largest x, that is used: at the end itself wrenches are one

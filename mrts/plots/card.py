@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from mrts.base.words import aligned
 from mrts.limits.rows import RowName
 from mrts.scaling.range import LoadStudy, RangeEnd
-from mrts.scaling.scale import AT_END, Result, ScalingResult
+from mrts.scaling.scale import Result, ScalingResult
 from mrts.scaling.scaled_trajectory import LimitUse
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
         before = "before it made room " if timing.made_room else ""
         parts += [f"{before}limited by {name}, {100 * share:.0f} % of the time" for name, share in timing.limits[:1]]
     elif not shown.origin and end.time is not None:
-        if any(side == "upper" for side, _ in shown.range.ends_at(done.c2, AT_END)):
+        if end.is_at(done.c2):
             parts.append(_limited(end, done.c2))
         else:
             parts.append(f"up to {sqrt(end.c2):.3g} × as fast, {_limited(end, end.c2)}")

@@ -8,8 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.colours import COLOURS
 from mrts.plots.plot import ADMISSIBLE, Axis, Band, Item, Line, Panel, Plot, one_panel, upright
-from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import TimedPiece
+from mrts.timing.result import RetimingResult, TimedPiece
 
 HEADROOM = 1.35
 """The maximum velocity curve goes out of the picture above this multiple of the profile."""
@@ -33,7 +32,7 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
         lines.append(_line(label, way(fastest), [part.along_arc(part.x) for part in fastest], COLOURS[1]))
     if smooth is not None:
         speeds = [part.along_arc(part.x) for part in found.pieces]
-        lines.append(_line(f"{smooth.what}, {found.duration:.4g} s", along, speeds, COLOURS[4], width=2.4))
+        lines.append(_line(f"{found.what}, {found.duration:.4g} s", along, speeds, COLOURS[4], width=2.4))
     if best.c2 is not None:
         speeds = [np.sqrt(best.c2) * part.piece.speed for part in found.pieces]
         lines.append(_line(f"best constant c, {best.duration:.4g} s", along, speeds, COLOURS[0], dash=1))

@@ -17,7 +17,7 @@ from mrts.plots.plot import Axis, Item, Line, Panel, Plot, curves_panel, level, 
 from mrts.plots.range_plots import range_plot
 from mrts.program.rate_limits import RateLimits
 from mrts.scaling.scale import ScalingResult
-from mrts.scaling.scaled_trajectory import LimitedQuantities, ScaledTrajectory, accumulated_energy
+from mrts.scaling.scaled_trajectory import LimitedQuantities, ScaledTrajectory
 from mrts.timing.result import RetimingResult
 
 TITLES = {
@@ -151,14 +151,20 @@ def power_plot(result: ScalingResult, title: str = "") -> Plot:
             Line(x=done.time, y=values[:, k], label=joint, unit="W", **look(k)) for k, joint in enumerate(robot.joints)
         ]
         powers.append([curves_panel(f"{robot.name}: power of the joints", "power [W]", of_joints)])
-        energy = accumulated_energy(done.time, values)
+        energy = _accumulated(done.time, values)
         label = f"{shortened(robot.name)}: {energy[-1]:.4g} J"
         lines.append(Line(x=done.time, y=energy, label=label, unit="J", **look(number)))
     if len(lines) > 1:
-        total = accumulated_energy(done.time, done.power)
+        total = _accumulated(done.time, done.power)
         lines.append(Line(x=done.time, y=total, label=f"all: {done.energy:.4g} J", unit="J", color="#000", width=2.2))
     rows = [*by_robot(powers), [curves_panel("Energy that the motors have given", "energy [J]", lines)]]
     return Plot(name="power_and_energy", title=title or _title(result), rows=rows, clock="played")
+
+
+def _accumulated(time: Array, power: Array) -> Array:
+    """Energy that some joints give from the start to every sample, by the trapezoidal rule, Shape (N,) [J]."""
+    total = np.sum(power, axis=1)
+    return np.append(0.0, np.cumsum(np.diff(time) * (total[1:] + total[:-1]) / 2))
 
 
 def _title(result: ScalingResult) -> str:

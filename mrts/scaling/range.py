@@ -8,7 +8,7 @@ nonlinear program, verified by linear ones.
 """
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -35,6 +35,9 @@ from mrts.scaling.options import Options, load_box
 
 INERT = 1e-12
 """A parameter that changes the object's wrench by no more than this share of it has no effect along a motion."""
+
+AT_END = 1e-6
+"""Share of c² within which it is at an end of what a sample admits: ends that tie are right to 1e-7."""
 
 GRID_POINTS = 51
 """Loads of `grid` where no number is given."""
@@ -79,6 +82,10 @@ class RangeEnd:
     def rows(self) -> tuple[ActiveRow, ...]:
         """The rows that bind there."""
         return self.named() if callable(self.named) else self.named
+
+    def is_at(self, c2: float) -> bool:
+        """Whether a c² is at this end, and limits set it."""
+        return self.time is not None and abs(c2 - self.c2) <= AT_END * self.c2
 
     def to_json(self) -> dict[str, Any] | None:
         """Entry of "binding" in the JSON result; None if nothing limits this end."""
@@ -127,12 +134,6 @@ class ScalingRange:
         low, high = self.lower.c2, self.upper.c2
         near = self.status.admits_motion and low * (1 - tolerance) <= c2 <= high * (1 + tolerance)
         return min(max(c2, low), high) if near else None
-
-    def ends_at(self, c2: float, tolerance: float = 0.0) -> Iterator[tuple[Side, RangeEnd]]:
-        """The ends at which a c² is, to a share of an end, and of which side each is; not those that nothing sets."""
-        for side, end in zip(SIDES, (self.lower, self.upper), strict=True):
-            if self.status.admits_motion and end.time is not None and abs(c2 - end.c2) <= tolerance * end.c2:
-                yield side, end
 
     def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """Rows that bind at one end of a sample; all of them where it sets the range."""

@@ -52,9 +52,6 @@ from mrts.scaling.remarks import interpolated, motion_remarks, plan_remarks
 from mrts.scaling.scaled_trajectory import Holding, LimitUse, ScaledTrajectory, by_share, limits_table
 from mrts.scaling.what_if import NO_CHANGE, SpeedAnswer, SpeedQuestion, WhatIf, what_if
 
-AT_END = 1e-6
-"""Share of c² within which it is at an end of what a sample admits: ends that tie are right to 1e-7."""
-
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
 
@@ -139,6 +136,9 @@ class Result(InNotebooks, JsonOutput):
         check_callable("progress", progress)
         return what_if(self.speed_question(), progress)
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of cell '{self.cell.name}': {self.sentence()}>"
+
     def limits_table(self) -> NotebookTable:
         """All limits by falling share that is used, those that set the speed first."""
         return limits_table(self.uses, self.setting_rows())
@@ -217,11 +217,6 @@ class ScalingResult(Result):
             remarks += plan_remarks(self.trajectory, self.uses, rated=self.options.rates is not None)
         return tuple(dict.fromkeys(remarks))
 
-    def __repr__(self) -> str:
-        done = self.trajectory
-        chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
-        return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
-
     @property
     def done(self) -> ScaledTrajectory:
         """The trajectory.
@@ -240,8 +235,10 @@ class ScalingResult(Result):
 
     def setting_rows(self) -> list[RowName]:
         """What ends the range at c²; nothing of a retimed motion, whose timing tells it."""
-        ends = () if self.c2 is None or self.origin else self.range.ends_at(self.c2, AT_END)
-        return [row.name for _, end in ends for row in end.rows]
+        if self.c2 is None or self.origin or not self.range.status.admits_motion:
+            return []
+        ends = [end for end in (self.range.lower, self.range.upper) if end.is_at(self.c2)]
+        return [row.name for end in ends for row in end.rows]
 
     @cached_property
     def rate_uses(self) -> list[LimitUse]:

@@ -357,7 +357,7 @@ class ScaledTrajectory:
     @cached_property
     def energy(self) -> float:
         """Energy that the motors give, Σ ∫ q̇ᵀ τ dt (remark after (34)), by the trapezoidal rule [J]."""
-        return float(accumulated_energy(self.time, self.power)[-1])
+        return integral(self.time, np.sum(self.power, axis=1))
 
     @property
     def terms(self) -> dict[str, Array]:
@@ -462,16 +462,9 @@ class ScaledTrajectory:
         return output | ({"torque_friction": by_robot(joints, self.friction)} if self.has_friction else {})
 
 
-def accumulated_energy(time: Array, power: Array) -> Array:
-    """Energy Σ ∫ q̇ᵀ τ dt that some joints give from the start to every sample, by the trapezoidal rule, Shape (N,) [J].
-
-    Args:
-        time: Shape (N,) [s].
-        power: Of some joints, Shape (N, joints) [W].
-    """
-    total = np.sum(power, axis=1)
-    steps = np.diff(time) * (total[1:] + total[:-1]) / 2
-    return np.concatenate([[0.0], np.cumsum(steps)])
+def integral(time: Array, values: Array) -> float:
+    """Of values by time, by the trapezoidal rule, both Shape (N,)."""
+    return float(np.diff(time) @ (values[1:] + values[:-1])) / 2
 
 
 def limits_table(

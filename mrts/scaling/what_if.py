@@ -18,9 +18,6 @@ from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, 
 NO_CHANGE = 1e-6
 """Share of the duration below which a change does nothing: programs are right to 1e-9, ends that tie to 1e-7."""
 
-MOST_GAINS, MOST_LOSSES = 12, 8
-"""Changes that a table shows of those that gain, and of those that lose."""
-
 _GIVEN = (
     "bases and grasps were not moved: the joints of this motion are given, and are not those that the arms take by "
     "themselves"
@@ -150,26 +147,15 @@ class WhatIf(InNotebooks):
         now = before.status if before.duration is None else _seconds(before.duration)
         now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
         question = f"what if: ±{100 * SHARE:.4g} % of limits and mass{poses if moved else ''}; now {now}"
-        return [question, *filter(None, [self._others(), self.left_out])]
+        stays = "the speed stays" if before.duration is not None else "it still cannot be played"
+        count = len(self.without_effect)
+        others = f"each of {count} others may be changed as much, one at a time, and {stays}" if count else ""
+        return [question, *filter(None, [others, self.left_out])]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
-        """What gains most, what loses most, what cannot be played, each the largest effect first."""
-        matter = [one for one in self.changes if one.matters]
-        gains, lost = [one for one in matter if one.faster > 1], [one for one in matter if one.after.duration is None]
-        losses = [one for one in reversed(matter) if one.faster < 1 and one.after.duration is not None]
-        shown = [*gains[:MOST_GAINS], *losses[:MOST_LOSSES], *lost[:MOST_LOSSES]]
-        if shown:
-            yield NotebookTable(("change", "effect", "duration", "then limited by"), [one.row for one in shown])
-
-    def _others(self) -> str:
-        """How many changes matter less than those of the table, and how many do nothing."""
-        matter = sum(one.matters for one in self.changes)
-        left = matter - sum(len(table.rows) for table in self.notebook_tables())
-        told = [f"{left} more changes matter less (--json has all)"] if left else []
-        if count := len(self.without_effect):
-            stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
-            told.append(f"each of {count} others may be changed as much, one at a time, and {stays}")
-        return "; ".join(told)
+        """What matters: what gains most first, what cannot be played last."""
+        if rows := [one.row for one in self.changes if one.matters]:
+            yield NotebookTable(("change", "effect", "duration", "then limited by"), rows)
 
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""

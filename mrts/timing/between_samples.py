@@ -20,8 +20,14 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.timing.path_pieces import PLACES, PathPiece, path_pieces, root_mean_square, with_samples
-from mrts.timing.result import ONLY_AT_SAMPLES, RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
+from mrts.timing.result import (
+    ONLY_AT_SAMPLES,
+    RetimingResult,
+    RetimingStatus,
+    SmoothPiece,
+    TimedPiece,
+    between_path_samples,
+)
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""

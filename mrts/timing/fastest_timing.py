@@ -29,8 +29,7 @@ from mrts.timing.fastest_profile import (
     speed_regions,
 )
 from mrts.timing.path_pieces import PathError, PathPiece, path_pieces
-from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import TimedPiece
+from mrts.timing.result import RetimingResult, RetimingStatus, TimedPiece
 from mrts.timing.successive_profiles import successive_profiles
 
 UNBOUNDED_SHARE = 0.5

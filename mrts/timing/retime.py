@@ -26,8 +26,7 @@ from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.scale import Remarks, ScalingResult, with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing, without_sharp_turns
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import retimed_motion, smooth_torques
+from mrts.timing.result import RetimingResult, RetimingStatus, retimed_motion, smooth_torques
 from mrts.timing.smooth_timing import smooth_timing
 
 ROOM = 0.01
@@ -132,10 +131,6 @@ def _played(timed: RetimingResult, remarks: Remarks) -> RetimingResult:
     given, own = timed.motion.object.time, motion.object.time
     if excess is not None and excess.time is not None:
         excess = replace(excess, time=float(np.interp(excess.time, given, own)))
-    what, found, torques = "fastest timing", "", None
-    if timed.smooth is not None:
-        what, found = timed.smooth.what, f". {timed.smooth.text(own[-1])}"
-        torques = smooth_torques(timed.pieces)
     untouched = ScalingResult(
         cell=timed.cell,
         motion=motion,
@@ -143,10 +138,11 @@ def _played(timed: RetimingResult, remarks: Remarks) -> RetimingResult:
         c2=1.0,
         trajectory=None,
         options=replace(timed.options, load="nominal"),
-        origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{found}",
+        origin=f"{timed.what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s",
         remarks=remarks,
         excess=excess,
     )
+    torques = None if timed.smooth is None else smooth_torques(timed.pieces)
     return replace(timed, retimed=with_torques(untouched, torques))
 
 

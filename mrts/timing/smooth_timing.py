@@ -21,8 +21,7 @@ from mrts.program.successive_steps import NoProfileError, StepsTaken, cost, last
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.timing.between_samples import refined_timing
 from mrts.timing.path_pieces import STRIDE, SmoothPath, smooth_nodes, smooth_pieces, stops
-from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
-from mrts.timing.retimed_motion import SmoothPiece, smooth_parts
+from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer, SmoothPiece, smooth_parts
 
 NARROWING = 1e-5
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""

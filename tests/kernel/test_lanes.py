@@ -26,7 +26,7 @@ from mrts.kernel.tracking import closure_sizes
 from mrts.program.motion_rows import MotorTerms, motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import TORQUE_WIDENING
-from mrts.timing.retimed_motion import between_path_samples
+from mrts.timing.result import between_path_samples
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"

@@ -16,7 +16,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.timing.path_pieces import PLACES, path_pieces
-from mrts.timing.retimed_motion import TimedPiece, between_path_samples
+from mrts.timing.result import TimedPiece, between_path_samples
 
 SHIPPED = ("planar_dual_arm", "dual_ur5", "squeeze")
 AGREES = 1e-8  # both solve the same programs, each to 1e-9 of a limit

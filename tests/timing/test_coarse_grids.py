@@ -15,7 +15,7 @@ from mrts.program.between_samples import BETWEEN
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.smooth_program import segment_times
-from mrts.timing.retimed_motion import at_segment_ends
+from mrts.timing.result import at_segment_ends
 
 PATHS = 4
 KEPT = 1e-6  # of c²: limits at both ends of a segment are kept to rounding, which a small effect of ṙ² widens
