@@ -52,6 +52,8 @@ RATE_TOLERANCE = 1e-6
 NAMED = 3
 """Further joints that it names."""
 
+ENDS = ("starts", "ends")
+
 
 def motion_remarks(
     cell: Cell,
@@ -185,27 +187,23 @@ def plan_remarks(done: ScaledTrajectory, uses: list[LimitUse], *, rated: bool) -
 
 def _pushing(done: ScaledTrajectory, *, rated: bool) -> tuple[Remark, ...]:
     """What a controller must know of ends at which the motion rests but accelerates; whether rates are kept counts."""
-    needed, last = pushing_ends(done.motion.dq, done.motion.ddq), done.motion.samples - 1
+    needed, remarks = pushing_ends(done.motion.dq, done.motion.ddq), tuple[Remark, ...]()
     held = needed if done.holding is None else done.holding.ends
-    ends = zip(("starts", "ends"), ("begin", "end"), (0, last), needed, held, strict=True)
-    remarks = tuple(
-        Remark(
-            "no-row-at-rest",
-            f"the limits do not let the cell hold still where the motion {does}, so tables and bags {do} with the "
-            "torques of the motion: a controller must not stay there.",
-            sample,
+    lost = [pushes and not holds for pushes, holds in zip(needed, held, strict=True)]
+    if any(lost):
+        text = (
+            f"the limits do not let the cell hold still where the motion {' and '.join(compress(ENDS, lost))}, so "
+            "tables and bags have the torques of the motion there: a controller must not stay there."
         )
-        for does, do, sample, pushes, holds in ends
-        if pushes and not holds
-    )
-    if not rated or not any(needed):
-        return remarks
-    text = (
-        f"the motion {' and '.join(compress(('starts', 'ends'), needed))} at rest but accelerates there, so torques "
-        "jump from or to those that hold still, at every speed. The rates are kept in between; a profile that starts "
-        "and ends without acceleration (quintic, or --profile smooth) has no such jump."
-    )
-    return (*remarks, Remark("step-at-ends", text))
+        remarks += (Remark("no-row-at-rest", text, 0 if lost[0] else done.motion.samples - 1),)
+    if rated and any(needed):
+        text = (
+            f"the motion {' and '.join(compress(ENDS, needed))} at rest but accelerates there, so torques jump from "
+            "or to those that hold still, at every speed. The rates are kept in between; a profile that starts and "
+            "ends without acceleration (quintic, or --profile smooth) has no such jump."
+        )
+        remarks += (Remark("step-at-ends", text),)
+    return remarks
 
 
 def overload_remarks(done: ScaledTrajectory) -> tuple[Remark, ...]:

@@ -190,9 +190,9 @@ class ScalingResult(Result):
 
     cell: Cell
     motion: CoordinatedMotion
-    found: ScalingRange | None
-    c2: float | None
-    trajectory: ScaledTrajectory | None
+    found: ScalingRange | None = None
+    c2: float | None = None
+    trajectory: ScaledTrajectory | None = None
     load: LoadStudy | None = None
     options: Options = field(default_factory=Options)
     origin: str = ""
@@ -581,17 +581,8 @@ def admissible_range(
 
         loads = (None,) if study is None else study.points
         found = RatedFactors(rows, loads, options.rates).within(found, below)
-    result = ScalingResult(
-        cell=cell,
-        motion=rows.motion,
-        found=found,
-        c2=None,
-        trajectory=None,
-        load=study,
-        options=options,
-        remarks=partial(motion_remarks, cell, motion, rows.motion, told, constant=True),
-    )
-    return result, rows, excess
+    remarks = partial(motion_remarks, cell, motion, rows.motion, told, constant=True)
+    return ScalingResult(cell, rows.motion, found, load=study, options=options, remarks=remarks), rows, excess
 
 
 def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:

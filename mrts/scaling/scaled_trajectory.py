@@ -388,9 +388,7 @@ class ScaledTrajectory:
 
     def least_wrenches(self, total: Array) -> Array:
         """B⁺ of a wrench on the object, Shape (N, w): the least contact wrenches that give it, Shape (N, n w)."""
-        B = self.terms["B"]
-        transposed = B.transpose(0, 2, 1)
-        least: Array = transposed @ np.linalg.solve(B @ transposed, total[:, :, None])
+        least: Array = np.linalg.pinv(self.terms["B"]) @ total[:, :, None]
         return least[:, :, 0]
 
     @property

@@ -132,11 +132,9 @@ def _played(timed: RetimingResult, remarks: Remarks) -> RetimingResult:
     if excess is not None and excess.time is not None:
         excess = replace(excess, time=float(np.interp(excess.time, given, own)))
     untouched = ScalingResult(
-        cell=timed.cell,
-        motion=motion,
-        found=None,
+        timed.cell,
+        motion,
         c2=1.0,
-        trajectory=None,
         options=replace(timed.options, load="nominal"),
         origin=f"{timed.what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s",
         remarks=remarks,
