@@ -2,7 +2,7 @@
 """Where between the samples a range of c² would be narrower, and which samples must be added for that."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -16,7 +16,7 @@ from mrts.following.denser_motion import between_samples, denser
 from mrts.limits.rows import ActiveRow
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import MotionRows
-from mrts.program.sample_ranges import SIDES, SampleRanges, joined
+from mrts.program.sample_ranges import SIDES, SampleRanges
 
 BETWEEN = 1e-4
 """Share of a limit by which it may be overstepped between samples, unless told otherwise."""
@@ -26,9 +26,6 @@ LEAST_BETWEEN = 1e-5
 
 LARGEST_BETWEEN = 1.0
 """Largest share: twice the limit."""
-
-RowOrFinder = ActiveRow | Callable[[], ActiveRow | None]
-"""A limit, or what finds it."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +42,7 @@ class Excess:
     share: float
     tolerance: float
     time: float | None = None
-    named: RowOrFinder | None = None
+    named: ActiveRow | Callable[[], ActiveRow | None] | None = None
 
     @cached_property
     def row(self) -> ActiveRow | None:
@@ -109,9 +106,8 @@ NUDGE = 1e-3
 Ranges = Callable[[MotionRows], SampleRanges]
 """The ranges of c² along a motion, of intervals that do not begin above the end of the range."""
 
-Looked = tuple[MotionRows, SampleRanges]
-"""Places between the samples: the rows of the motion there and at both ends of the given one, and the ranges at the
-places alone."""
+Looked = list[tuple[MotionRows, SampleRanges]]
+"""Places between the samples, round by round: the rows there and at both ends of the motion, and the ranges."""
 
 
 def refine(
@@ -130,39 +126,38 @@ def refine(
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
     """
-    motion = given.motion
-    known, none = found, Excess(0.0, tolerance)
+    motion, left, looked = given.motion, Excess(0.0, tolerance), Looked()
     if whole[1] <= 0:
-        return motion, lambda _c2: none
-    looked: Looked | None = None
-    allowed, left = _allowed(given, known, tolerance), none
+        return motion, lambda _c2: left
+    known, allowed = np.array([found.time, found.lower, found.upper]), _allowed(given, found, tolerance)
     for turn in range(MOST_ROUNDS):
-        everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or found.several)
-        gaps = _doubtful(known, allowed, everywhere=everywhere)
+        time, doubt = known[0], _doubt(known, allowed)
+        if turn == 0 and (motion.samples < COARSE or allowed is None or found.several):
+            gaps = np.arange(len(doubt))
+        else:
+            gaps = ((doubt > 1) & (time[1:] - time[:-1] > RESOLUTION * time[-1])).nonzero()[0]
         if not len(gaps):
             break
         inside = CLOSE if len(gaps) <= FEW else WIDE
-        if len(known.time) + len(gaps) * len(inside) > max(FEWEST_PLACES, MOST_PLACES * motion.samples):
-            left = _left(known, allowed, none)
+        if len(time) + len(gaps) * len(inside) > max(FEWEST_PLACES, MOST_PLACES * motion.samples):
+            worst = int(np.argmax(doubt))
+            left = Excess(tolerance * float(doubt[worst]), tolerance, float(time[worst : worst + 2].mean()))
             break
-        at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
-        there = between_samples(given.cell, motion, at)
-        rows = given.along(there)
-        inner = np.arange(1, there.samples - 1, dtype=np.intp)
-        new = ranges(rows).at(inner)
-        known = joined(known, new)
-        if looked is not None:
-            rows = given.along(denser(looked[0].motion, there, inner))
-            new = joined(looked[1], new)
-        looked = rows, new
+        at = time[gaps, None] + (time[gaps + 1] - time[gaps])[:, None] * inside
+        rows = given.along(between_samples(given.cell, motion, at.ravel()))
+        new = ranges(rows)
+        looked.append((rows, new))
+        known = np.concatenate([known, np.array([new.time, new.lower, new.upper])[:, 1:-1]], axis=1)
+        known = known[:, known[0].argsort(kind="stable")]
         if not (new.upper > 0).all():
             break  # nothing moves there: that settles the outcome
-        allowed = allowed or _allowed(rows, new, tolerance, first=1)
-    if looked is None:
-        return motion, lambda _c2: left
-    added, left = _needed(looked, whole, left)
-    if len(added):
-        motion = denser(motion, looked[0].motion, added + 1)
+        allowed = allowed or _allowed(rows, new, tolerance)
+    if looked:
+        added, left = _needed(looked, whole, left)
+        for rows, _ in looked:
+            own, added = np.split(added, [rows.motion.samples])
+            if own.any():
+                motion = denser(motion, rows.motion, own.nonzero()[0])
     return motion, partial(_excess, looked, left, whole)
 
 
@@ -171,7 +166,9 @@ def _excess(looked: Looked, left: Excess, whole: tuple[float, float], c2: float)
     if c2 in whole:
         return left
     worst = left if left.passes else Excess(0.0, left.tolerance)
-    return _worse(worst, looked[1], *_overstepped(looked, (c2, c2)))
+    for rows, ranges in looked:
+        worst = _worse(worst, ranges, _overstepped(rows, ranges, (c2, c2)))
+    return worst
 
 
 def _loads(known: SampleRanges, side: NDArray[np.intp], places: NDArray[np.intp]) -> Array | None:
@@ -181,97 +178,75 @@ def _loads(known: SampleRanges, side: NDArray[np.intp], places: NDArray[np.intp]
     return np.array([known.loads[end][place].load for end, place in zip(side.tolist(), places.tolist(), strict=True)])
 
 
-def _overstepped(looked: Looked, ends: tuple[float, float]) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Where the range at a place does not reach the lower (0) or the upper one (1) of two c², and by how much.
+def _overstepped(rows: MotionRows, known: SampleRanges, ends: tuple[float, float]) -> Array:
+    """By how much limits must move for two c² at each of n places, Shape (2, n); 0 of one that is not finite.
 
-    Outside of the interval that is known a c² may lie in another where there are several.
-
-    Returns:
-        Sides and places, and by how much limits must move for that c² there, each Shape (k,); of finite ones.
+    Looked at is where the range of a place does not reach the lower or the upper one; outside of the interval that is
+    known a c² may lie in another where there are several.
     """
-    rows, known = looked
     c2 = np.reshape(ends, (2, 1))
     above, below = known.lower > c2, known.upper < c2
-    beyond = np.array([above[0], below[1]]) | (known.gaps & (above | below))
-    side, places = np.nonzero(beyond & np.isfinite(c2))
-    share = motion_widening(rows, c2[side, 0], _loads(known, side, places), places + 1)
-    return side, places, share
+    beyond = (np.array([above[0], below[1]]) | (known.gaps & (above | below))) & np.isfinite(c2)
+    beyond[:, [0, -1]] = False  # samples of the motion
+    (side, places), share = beyond.nonzero(), np.zeros(beyond.shape)
+    share[side, places] = motion_widening(rows, c2[side, 0], _loads(known, side, places), places)
+    return share
 
 
-def _worse(
-    worst: Excess, known: SampleRanges, side: NDArray[np.intp], places: NDArray[np.intp], share: Array
-) -> Excess:
+def _worse(worst: Excess, known: SampleRanges, share: Array) -> Excess:
     """The worst of `_overstepped`, if it is more."""
-    if share.max(initial=0.0) <= worst.share:
+    side, place = divmod(int(share.argmax()), share.shape[1])
+    if share[side, place] <= worst.share:
         return worst
-    most = int(np.argmax(share))
-    place = int(places[most])
-    rows = known.binding(place, SIDES[side[most]])
-    return Excess(float(share[most]), worst.tolerance, float(known.time[place]), rows[0] if rows else None)
+    rows = known.binding(place, SIDES[side])
+    return Excess(float(share[side, place]), worst.tolerance, float(known.time[place]), rows[0] if rows else None)
 
 
-def _allowed(rows: MotionRows, known: SampleRanges, tolerance: float, first: int = 0) -> tuple[float, float] | None:
+def _allowed(rows: MotionRows, known: SampleRanges, tolerance: float) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
     low, high = float(known.lower.max()), float(known.upper.min())
     if not np.isfinite(high):
         return None
-    places = np.array([np.argmax(known.lower), np.argmin(known.upper)])
+    places = np.array([known.lower.argmax(), known.upper.argmin()])
     c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
-    slow, fast = motion_widening(rows, c2, _loads(known, np.arange(2), places), places + first) / NUDGE
+    slow, fast = motion_widening(rows, c2, _loads(known, np.arange(2), places), places) / NUDGE
     rise = tolerance / fast if fast > 0 else np.inf
     return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
 
 
-def _doubtful(known: SampleRanges, allowed: tuple[float, float] | None, *, everywhere: bool) -> NDArray[np.intp]:
-    """Gaps in which an end of the range may lie."""
-    if everywhere:
-        return np.arange(len(known.time) - 1)
-    if allowed is None:
-        return np.zeros(0, dtype=np.intp)
-    beyond = (_possible_rises(known) > np.array(allowed)[:, None]).any(axis=0)
-    return np.flatnonzero(beyond & (known.time[1:] - known.time[:-1] > RESOLUTION * known.time[-1]))
-
-
-def _possible_rises(known: SampleRanges) -> Array:
-    """By how much 1 / c²⁺ and c²⁻ may exceed their largest sample in each gap between N >= 2, Shape (2, N - 1).
+def _doubt(known: Array, allowed: tuple[float, float] | None) -> Array:
+    """How far an end may lie beyond all samples in each gap, as a multiple of what is allowed; 0 without a c²⁺.
 
     A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
-    times the change of slope around it.
+    times the change of slope around it. `known` are times, c²⁻ and c²⁺ of N >= 2 samples, Shape (3, N).
     """
+    time, lower, upper = known
+    step = time[1:] - time[:-1]
+    if allowed is None or len(step) == 1:
+        return np.full(len(step), 0.0 if allowed is None else np.inf)
     with np.errstate(divide="ignore"):
-        both = np.array([1 / known.upper, known.lower])
-    step = known.time[1:] - known.time[:-1]
+        both = np.array([1 / upper, lower])
     slope = (both[:, 1:] - both[:, :-1]) / step
     change = np.abs(slope[:, 1:] - slope[:, :-1])
-    if len(step) == 1:
-        return np.full((2, 1), np.inf)
     around = np.concatenate([change[:, :1], change], axis=1) + np.concatenate([change, change[:, -1:]], axis=1)
-    rises: Array = np.maximum(both[:, :-1], both[:, 1:]) + step * around / 4 - both.max(axis=1, keepdims=True)
-    return rises
+    rises = np.maximum(both[:, :-1], both[:, 1:]) + step * around / 4 - both.max(axis=1, keepdims=True)
+    doubt: Array = (rises / np.reshape(allowed, (2, 1))).max(axis=0)
+    return doubt
 
 
-def _left(known: SampleRanges, allowed: tuple[float, float] | None, none: Excess) -> Excess:
-    """What may be overstepped in the gap that is most doubtful."""
-    share = none.tolerance * _possible_rises(known) / np.reshape(allowed or (np.inf, np.inf), (2, 1))
-    gap = int(np.argmax(np.max(share, axis=0)))
-    if not np.max(share) > 0:
-        return none
-    return replace(none, share=float(np.max(share)), time=float(known.time[gap : gap + 2].mean()))
-
-
-def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.intp], Excess]:
-    """Places that must join the samples, the worst where an end oversteps limits too far, and what is left then."""
-    known, added = looked[1], set[int]()
-    sides, found, shares = _overstepped(looked, whole)
-    for side, (c2, order) in enumerate(zip(whole, (-known.lower, known.upper), strict=True)):
-        own = sides == side
-        places, share = found[own], shares[own]
-        if not np.isfinite(c2):
-            added |= {int(np.argmin(order))} if np.isfinite(np.min(order)) else set()
-        elif share.max(initial=0.0) > left.tolerance:
-            added.add(int(places[np.argmin(order[places])]))
-            if known.several:
-                added.add(int(places[np.argmax(share)]))
-        else:
-            left = _worse(left, known, sides[own], places, share)
-    return np.array(sorted(added), dtype=np.intp), left
+def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.bool_], Excess]:
+    """Which places must join the samples, the worst where an end oversteps limits too far, and what is left then."""
+    shares = [_overstepped(rows, known, whole) for rows, known in looked]
+    order = np.concatenate([(-known.lower, known.upper) for _, known in looked], axis=1)
+    share, kept, added = np.concatenate(shares, axis=1), np.ones((2, 1)), np.zeros(order.shape[1], dtype=bool)
+    for side, c2 in enumerate(whole):
+        if share[side].max() > left.tolerance:
+            kept[side] = 0.0
+            added[np.where(share[side] > 0, order[side], np.inf).argmin()] = True
+            if any(known.several for _, known in looked):
+                added[share[side].argmax()] = True
+        elif not np.isfinite(c2) and np.isfinite(order[side].min()):
+            added[order[side].argmin()] = True
+    for (_, known), own in zip(looked, shares, strict=True):
+        left = _worse(left, known, kept * own)
+    return added, left

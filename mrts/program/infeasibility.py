@@ -142,9 +142,9 @@ def closest_speed(problem: SampleProblem) -> Array:
         moved = level[:, None] * problem.is_limit
         wider = replace(problem, lower=problem.lower - moved, upper=problem.upper + moved)
         found = highest_intervals(wider, np.full(problem.samples, np.inf))
-        admitted = found.status == OPTIMAL
+        admitted = found["status"] == OPTIMAL
         low, high = np.where(admitted, low, level), np.where(admitted, level, high)
-        least, most = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])
+        least, most = np.sqrt(found["lower"][admitted]), np.sqrt(found["upper"][admitted])
         c[admitted] = np.where(np.isfinite(most), (least + most) / 2, least)
     return c
 

@@ -7,7 +7,7 @@ they are those with a multiplier in some solution of the dual program.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,49 +24,28 @@ from mrts.program.solvers import DEFAULT_SOLVER, Answers, ConvexPrograms, scales
 BINDING_TOLERANCE = 1e-7
 """A row binds if its multiplier exceeds this share of the largest."""
 
-Duals = NDArray[np.float32]
-"""Multipliers of r rows and of c² >= 0 at the lower and the upper ends of N samples, Shape (2, N, r + 1): positive at a
-row's upper limit, negative at its lower one, 0 where it does not bind. Those of one end are compared, no more."""
+
+RangeEnds = NDArray[np.void]
+"""Least and largest c² of N samples, Shape (N,): of the highest interval where a sample admits several. Fields:
+
+lower: Infinity where there is none.
+upper: Infinity where nothing bounds it, minus infinity where there is none.
+duals: Multipliers of r rows and of c² >= 0 at both ends, Shape (2, r + 1): positive at a row's upper limit, negative at
+    its lower one, 0 where it does not bind. Those of one end are compared, no more.
+status: Status of the kernel: `OPTIMAL` where the ends are known.
+below: A c² between the interval and the next one below, 0 where there is none. Of an interval that is not the highest
+    one it is that of the highest.
+effect: Largest effect of c² = 1 on a row in its unit, where the kernel found the ends.
+"""
 
 
-@dataclass
-class RangeEnds:
-    """Least and largest c² of N samples: of the highest interval where a sample admits several.
-
-    Attributes:
-        lower: Infinity where there is none, Shape (N,).
-        upper: Infinity where nothing bounds it, minus infinity where there is none, Shape (N,).
-        duals: What binds.
-        status: Status of the kernel, Shape (N,): `OPTIMAL` where the ends are known.
-        below: A c² between the interval and the next one below, 0 where there is none, Shape (N,). Of an interval that
-            is not the highest one it is that of the highest.
-        effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
-    """
-
-    lower: Array
-    upper: Array
-    duals: Duals
-    status: NDArray[np.uint8]
-    below: Array
-    effect: Array
-
-    @classmethod
-    def unknown(cls, samples: int, rows: int) -> "RangeEnds":
-        """Nothing of any sample."""
-        none = np.full(samples, np.inf)
-        status = np.full(samples, STOPPED, dtype=np.uint8)
-        return cls(none, -none, np.zeros((2, samples, rows + 1), np.float32), status, *np.zeros((2, samples)))
-
-    @property
-    def undecided(self) -> NDArray[np.intp]:
-        """Samples whose ends are not known."""
-        return np.flatnonzero(self.status != OPTIMAL)
-
-    def replace(self, samples: NDArray[np.intp], other: "RangeEnds") -> None:
-        """Take some samples from another batch."""
-        self.duals[:, samples] = other.duals
-        for name in ("lower", "upper", "status", "below", "effect"):
-            getattr(self, name)[samples] = getattr(other, name)
+def unknown_ends(samples: int, rows: int) -> RangeEnds:
+    """Nothing of any sample."""
+    numbers = [(name, np.float64) for name in ("lower", "upper", "below", "effect")]
+    fields = [*numbers, ("status", np.uint8), ("duals", np.float32, (2, rows + 1))]
+    ends = np.zeros(samples, dtype=np.dtype(fields, align=True))
+    ends["lower"], ends["upper"], ends["status"] = np.inf, -np.inf, STOPPED
+    return ends
 
 
 def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
@@ -74,43 +53,33 @@ def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     found = np.zeros(len(most), dtype=range_record(rows.cell.library.unknowns))
     name = "mrts_speed_ranges" if rows.has_speed_terms else "mrts_ranges"
     rows.over_samples(name, [np.minimum(most, INFINITY)], [found], load=load)
-    basis, dual = (found[of].swapaxes(0, 1) for of in ("basis", "dual"))
-    (lower, upper), duals = found["end"].T, _duals_of_bases(rows, basis, dual)
-    return RangeEnds(lower, upper, duals, found["status"].max(axis=1), found["gap"], found["effect"])
+    count, kept = len(rows.given.names), (~rows.is_cap).nonzero()[0]
+    ends, basis, dual = unknown_ends(len(most), count), found["basis"], found["dual"]
+    (ends["lower"], ends["upper"]), ends["below"], ends["effect"] = found["end"].T, found["gap"], found["effect"]
+    ends["status"] = found["status"].max(axis=1)
+    # unknowns come after the rows that are no caps: of c² its lower side is standstill, its upper one a cap
+    row = np.append(kept, np.full(rows.cell.library.unknowns + 1, count))[np.abs(basis) - 1]
+    binding = _binding(dual) & ((row < count) | (basis < 0))
+    sample, end, _ = binding.nonzero()
+    ends["duals"][sample, end, row[binding]] = np.copysign(dual, basis)[binding]
+    return ends
 
 
-def _duals_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Duals:
-    """Multipliers of the kernel's bases and theirs, Shape (2, N, k) each.
-
-    It has the r rows that are no caps; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
-    """
-    count, kept, size = len(rows.given.names), (~rows.is_cap).nonzero()[0], np.abs(dual)
-    most = len(kept) + rows.cell.library.unknowns + 1
-    place_of = np.full(2 * most + 1, count + 1)  # by codes, negative ones from the end on
-    end = len(place_of) - len(kept)
-    place_of[1 : len(kept) + 1], place_of[most + 1 : end], place_of[end:] = kept, count, kept[::-1]
-    strong = size > BINDING_TOLERANCE * size.max(axis=2, initial=0.0, keepdims=True)
-    duals = np.zeros((2, len(rows.most), count + 2), dtype=np.float32)
-    np.put_along_axis(duals, np.where(strong, place_of[basis], count + 1), np.copysign(size, basis), axis=2)
-    return duals[:, :, :-1]
-
-
-def binding_duals(dual: Array, standstill: NDArray[np.bool_]) -> Duals:
-    """Multipliers of rows, Shape (2, N, r), without rounding, and where c² >= 0 binds at the lower end, Shape (N,)."""
+def _binding(dual: NDArray[np.floating[Any]]) -> NDArray[np.bool_]:
+    """Which of some multipliers at an end, Shape (…, k), are no rounding."""
     size = np.abs(dual)
-    strong = np.where(size > BINDING_TOLERANCE * np.max(size, axis=2, initial=0.0, keepdims=True), dual, 0.0)
-    still = np.stack([np.where(standstill, -np.inf, 0.0), np.zeros(len(standstill))])
-    return np.concatenate([strong, still[:, :, None]], axis=2).astype(np.float32)
+    return np.asarray(size > BINDING_TOLERANCE * size.max(axis=-1, initial=0.0, keepdims=True))
 
 
 def with_caps(ends: RangeEnds, is_cap: NDArray[np.bool_], cap_share: Array, square: Array | None) -> RangeEnds:
     """The same ends with the caps that bind at the upper ones; `square` is that of all rows, Shape (N, r), if any."""
     if square is None:
         return ends
-    at_cap = np.isfinite(ends.upper) & (ends.upper >= (1 - BINDING_TOLERANCE) * largest_square(cap_share))
+    upper = ends["upper"]
+    at_cap = np.isfinite(upper) & (upper >= (1 - BINDING_TOLERANCE) * largest_square(cap_share))
     sample, cap = (at_cap[:, None] & binds(cap_share)).nonzero()
     row = is_cap.nonzero()[0][cap]
-    ends.duals[1, sample, row] = np.copysign(np.inf, square[sample, row])
+    ends["duals"][sample, 1, row] = np.copysign(np.inf, square[sample, row])
     return ends
 
 
@@ -153,20 +122,15 @@ def ends_by_linear_programs(problem: SampleProblem, *, alone: bool = False) -> R
 
     least, largest = solve(1.0), solve(-1.0)
     free = (largest.x[:, -1] >= UNBOUNDED * (1 - AT_UNBOUNDED)) | (effect == 0)
-    dual = np.zeros((2, *problem.lower.shape))
-    dual[:, :, ~caps] = least.dual[:, :-unknowns], largest.dual[:, :-unknowns]
-    dual[1, free] = 0.0
-    still = np.abs(least.dual[:, -1])
-    weight = np.maximum(np.max(np.abs(dual[0]), axis=1, initial=0.0), still)
-    dual[0, np.abs(dual[0]) <= BINDING_TOLERANCE * weight[:, None]] = 0.0
-    return RangeEnds(
-        lower=np.maximum(least.x[:, -1], 0.0) * unit,
-        upper=np.where(free, np.inf, largest.x[:, -1] * unit),
-        duals=binding_duals(dual, still > BINDING_TOLERANCE * weight),
-        status=np.where(least.verified & largest.verified, OPTIMAL, MARGINAL).astype(np.uint8),
-        below=np.zeros(count),
-        effect=effect,
-    )
+    ends, dual = unknown_ends(count, len(caps)), np.zeros((count, 2, len(caps) + 1))
+    rows = np.append(~caps, False)
+    dual[:, 0, rows], dual[:, 1, rows] = least.dual[:, :-unknowns], largest.dual[:, :-unknowns]
+    dual[free, 1], dual[:, 0, -1] = 0.0, -np.abs(least.dual[:, -1])
+    ends["lower"] = np.maximum(least.x[:, -1], 0.0) * unit
+    ends["upper"] = np.where(free, np.inf, largest.x[:, -1] * unit)
+    ends["status"] = np.where(least.verified & largest.verified, OPTIMAL, MARGINAL)
+    ends["duals"] = np.where(_binding(dual), dual, 0.0)
+    return ends
 
 
 SCALES = (1.0, 3.0, 0.3, 10.0, 0.1)
@@ -182,18 +146,18 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
     `find` gives the highest one of each sample up to a c² of its own, Shape (N,), first up to `most`.
     """
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    highest = found.below
+    highest = found["below"]
     for _ in range(MOST_INTERVALS):
-        above = (found.below > 0) & (found.lower > high) & ~lowest
+        above = (found["below"] > 0) & (found["lower"] > high) & ~lowest
         if not np.any(above):
             break
-        tried = np.where(above, found.below, most)
+        tried = np.where(above, found["below"], most)
         further = find(tried)
-        nothing = above & (further.status == INFEASIBLE)
+        nothing = above & (further["status"] == INFEASIBLE)
         lowest |= nothing
         if not np.any(nothing):
             most, found = tried, further
-    found.below = highest
+    found["below"] = highest
     return found
 
 
@@ -206,23 +170,24 @@ def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
     column, row = scales(A, lower == upper)
     A, speed = A * row[:, :, None], 0.0 * row if problem.speed is None else problem.speed[:, rows] * row
-    count = problem.samples
-    (low, high, below), of_rows = np.zeros((3, count)), np.zeros((2, *lower.shape))
-    status = np.full(count, MARGINAL, dtype=np.uint8)
+    count, ends, dual = problem.samples, unknown_ends(problem.samples, len(rows)), np.zeros((2, *lower.shape))
+    (low, high, below), status = np.zeros((3, count)), np.full(count, MARGINAL, dtype=np.uint8)
     for scale in SCALES:
         left = np.flatnonzero(status >= MARGINAL)
         if not left.size:
             break
         size = column[left]
         size[:, :-1] *= scale
-        low[left], high[left], below[left], of_rows[:, left], status[left] = speed_intervals(
+        low[left], high[left], below[left], dual[:, left], status[left] = speed_intervals(
             A[left] * size[:, None], (lower * row)[left], (upper * row)[left], size, speed[left], cap[left]
         )
-    nothing, dual, effect = status != OPTIMAL, np.zeros((2, *problem.lower.shape)), problem.effect(caps=False)
-    dual[:, :, rows] = of_rows * row
-    high = np.where(effect == 0, cap, high)
-    low[nothing], high[nothing], below[nothing] = np.inf, -np.inf, 0.0
-    return RangeEnds(low, high, binding_duals(dual, low == 0), status, below, effect)
+    known, dual = status == OPTIMAL, (dual * row).swapaxes(0, 1)
+    high = np.where(problem.effect(caps=False) == 0, cap, high)
+    for name, values in (("lower", low), ("upper", high), ("below", below)):
+        ends[name][known] = values[known]
+    ends["status"], ends["duals"][:, :, :-1][:, :, rows] = status, np.where(_binding(dual), dual, 0.0)
+    ends["duals"][ends["lower"] == 0, 0, -1] = -np.inf
+    return ends
 
 
 WIDER = 3e-9

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, with_part
+from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
@@ -20,12 +20,12 @@ from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_con
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_ends import (
-    Duals,
     RangeEnds,
     ends_of_problem,
     intervals_below,
     kernel_ends,
     rows_at_end,
+    unknown_ends,
     with_caps,
 )
 from mrts.program.range_status import RangeStatus
@@ -48,9 +48,6 @@ Asked = tuple[Cell, CoordinatedMotion, LoadSharing | None, Array | None]
 """Whose ranges they are; the load is the cell's where there is none. Rows hold what C reads and stay in their process,
 where results may leave it."""
 
-AT_SAMPLES = ("time", "lower", "upper", "gaps")
-"""Arrays of `SampleRanges` with one number a sample."""
-
 
 @dataclass(frozen=True)
 class SampleRanges:
@@ -62,7 +59,7 @@ class SampleRanges:
         upper: c²⁺(t), Shape (N,); minus infinity where infeasible, infinity where unbounded.
         names: Names of the r rows.
         limits: Their lower and upper limits as given, Shape (2, r).
-        duals: Which of them bind at both ends of each sample.
+        duals: Which of them and of c² >= 0 bind at both ends of each sample, as of `RangeEnds`, Shape (2, N, r + 1).
         gaps: Whether a sample admits other intervals of c² as well, Shape (N,).
         conflicts: One for each infeasible sample, in order.
         loads: If the load is uncertain, the loads that set the lower and the upper end of each sample.
@@ -74,7 +71,7 @@ class SampleRanges:
     upper: Array
     names: tuple[RowName, ...]
     limits: Array
-    duals: Duals
+    duals: NDArray[np.float32]
     gaps: NDArray[np.bool_]
     conflicts: tuple[Conflict, ...] = ()
     loads: tuple[Sequence[LoadPoint], Sequence[LoadPoint]] | None = None
@@ -93,12 +90,6 @@ class SampleRanges:
     def several(self) -> bool:
         """Whether some sample admits other intervals of c² as well."""
         return bool(self.gaps.any())
-
-    def at(self, places: NDArray[np.intp]) -> "SampleRanges":
-        """The ranges at some samples, without what conflicts there."""
-        loads = self.loads and tuple([own[place] for place in places.tolist()] for own in self.loads)
-        changes = {"duals": self.duals[:, places], "loads": loads, "conflicts": (), "asked": None}
-        return with_part(self, AT_SAMPLES, places, **changes)
 
     def load_at(self, sample: int, side: Side) -> LoadPoint | None:
         """The load that sets one end of a sample; None where the load is known."""
@@ -145,11 +136,10 @@ def motion_ranges(rows: MotionRows, load: Array | None = None, high: float = np.
         return sample_ranges(build_sample_problem(rows, load=load), time, high, asked)
     find = partial(kernel_ends, rows, load)
     ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
-    ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
-    effect = float(ends.effect.max(initial=0.0))
-    at_rest = ends.effect <= REST_TOLERANCE * effect
-    ends.upper[at_rest], ends.duals[1, at_rest] = rows.most[at_rest], 0
-    suspects = ((ends.status != OPTIMAL) | (at_rest & (ends.lower > 0))).nonzero()[0]
+    effect = float(ends["effect"].max(initial=0.0))
+    at_rest = ends["effect"] <= REST_TOLERANCE * effect
+    ends["upper"][at_rest], ends["duals"][at_rest, 1] = rows.most[at_rest], 0
+    suspects = ((ends["status"] != OPTIMAL) | (at_rest & (ends["lower"] > 0))).nonzero()[0]
     ends, conflicts = with_caps(ends, rows.is_cap, rows.cap_share, rows.rows.square), []
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
@@ -164,7 +154,7 @@ def sample_ranges(
     """Step 1 of MMTSF for rows along a motion: min and max of c² at every sample; see `motion_ranges`."""
     still = without_speed_at_rest(problem)
     ends = ends_of_problem(still, high, alone=True)
-    conflicts = decide(ends, ends.undecided, still, time, high)
+    conflicts = decide(ends, (ends["status"] != OPTIMAL).nonzero()[0], still, time, high)
     return _ranges(time, ends, conflicts, (problem.names, problem.limit_lower, problem.limit_upper), asked)
 
 
@@ -176,8 +166,9 @@ def _ranges(
     asked: Asked | None,
 ) -> SampleRanges:
     names, limits = rows[0], np.array(rows[1:])
-    numbers = time, ends.lower, ends.upper, names, limits, ends.duals, ends.below > 0
-    return SampleRanges(*numbers, tuple(conflicts), asked=asked)
+    lower, upper = ends["lower"] + 0.0, ends["upper"] + 0.0  # 0 has no sign
+    duals, gaps = ends["duals"].swapaxes(0, 1), ends["below"] > 0
+    return SampleRanges(time, lower, upper, names, limits, duals, gaps, tuple(conflicts), asked=asked)
 
 
 def decide(
@@ -193,34 +184,23 @@ def decide(
     if not samples.size:
         return []
     part = problem if problem.samples == samples.size else problem.at(samples)
-    own = RangeEnds.unknown(samples.size, len(part.names))
+    own = unknown_ends(samples.size, len(part.names))
     found = find_conflicts(part, time[samples])
     feasible = np.array([conflict is None for conflict in found], dtype=bool)
-    own.status[~feasible] = OPTIMAL
+    own["status"][~feasible] = OPTIMAL
     for widening in (0.0, 2 * CERTIFICATE_TOLERANCE):  # wider by what cannot be told from nothing
-        left = own.undecided
+        left = (own["status"] != OPTIMAL).nonzero()[0]
         if left.size:
             wider = replace(part, lower=part.lower - widening, upper=part.upper + widening).at(left)
-            own.replace(left, ends_of_problem(wider, high))
-            own.lower[left] = np.minimum(own.lower[left], own.upper[left])
-    if own.undecided.size:
+            own[left] = ends_of_problem(wider, high)
+            own["lower"][left] = np.minimum(own["lower"], own["upper"])[left]
+    for place in (own["status"] != OPTIMAL).nonzero()[0][:1]:
         raise SolverError(
-            f"no solver found the range of c² at t = {time[samples[own.undecided[0]]]:.6g} s, although its limits hold "
+            f"no solver found the range of c² at t = {time[samples[place]]:.6g} s, although its limits hold "
             "together. This is a defect of mrts or of extremely scaled data: please report the cell and the motion."
         )
-    ends.replace(samples, own)
+    ends[samples] = own
     return [replace(one, sample=int(samples[one.sample])) for one in found if one is not None]
-
-
-def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
-    """Ranges at the samples of both along one motion, in the order of time, without what conflicts."""
-    whole: dict[str, Any] = {}
-    for name in AT_SAMPLES:
-        whole[name] = np.concatenate([getattr(first, name), getattr(other, name)])
-    if first.loads is not None and other.loads is not None:
-        whole["loads"] = tuple((*ours, *theirs) for ours, theirs in zip(first.loads, other.loads, strict=True))
-    duals = np.concatenate([first.duals, other.duals], axis=1)
-    return replace(first, duals=duals, **whole).at(whole["time"].argsort(kind="stable"))
 
 
 def first_least(values: Array) -> Any:

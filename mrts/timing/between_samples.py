@@ -14,7 +14,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
 from mrts.limits.rows import ActiveRow, in_circles
 from mrts.motion.object_courses import PoseSplines, ProfiledPath
-from mrts.program.between_samples import BETWEEN, COARSE, Excess, RowOrFinder
+from mrts.program.between_samples import BETWEEN, COARSE, Excess
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
@@ -164,23 +164,21 @@ def excess_between(
     Returns:
         Of each piece, at each of `PLACES` in each segment, Shape (n - 1, p); and the worst.
     """
-    shares: list[Array] = []
-    worst: tuple[float, float | None, RowOrFinder | None] = 0.0, None, None
-    time = timed.motion.object.time
+    shares, worst, time = list[Array](), Excess(0.0, tolerance), timed.motion.object.time
     for part in timed.pieces:
-        row: RowOrFinder | None = None
+        row: ActiveRow | None = None
         if isinstance(part, SmoothPiece):
             share, row = _smooth_excess(timed, part)
         else:
             share = _least_excess(timed, part, before)
         shares.append(share)
         segment, place = divmod(int(np.argmax(share)), len(PLACES))
-        if share[segment, place] > worst[0]:
+        if share[segment, place] > worst.share:
             start, end = time[part.piece.first + segment :][:2]
+            named = row or partial(_overstepped, timed, part, segment, place)
             at = float(start + PLACES[place] * (end - start))
-            worst = float(share[segment, place]), at, row or partial(_overstepped, timed, part, segment, place)
-    most, when, named = worst
-    return shares, Excess(most, tolerance, when, named)
+            worst = Excess(float(share[segment, place]), tolerance, at, named)
+    return shares, worst
 
 
 def _least_excess(timed: RetimingResult, part: TimedPiece, before: tuple[RetimingResult, list[Array]] | None) -> Array:
@@ -212,7 +210,7 @@ def _overstepped(timed: RetimingResult, part: TimedPiece, segment: int, place: i
     return found[0] if found else None
 
 
-def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, RowOrFinder]:
+def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, ActiveRow]:
     """The excess over rows and limits of jerk at all places of a smooth piece, Shape (n - 1, p), and the worst limit.
 
     Torques are commanded linear in time between nodes, so their rates are constant there and kept; what the motion

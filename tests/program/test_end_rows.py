@@ -9,6 +9,7 @@ from random_programs import cell_programs
 from scipy.optimize import linprog
 
 import mrts
+from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import STANDSTILL
 from mrts.program import sample_ranges
 from mrts.program.range_ends import ends_of_problem, rows_at_end
@@ -49,9 +50,9 @@ def problem_of(A, lower, upper):
 def binding_at_the_top(problem):
     """Rows with a multiplier at the largest c², each with its side, 1 at the upper limit; None if there is no end."""
     found = ends_of_problem(replace(problem, solver="qpsol:qpoases"), np.inf)
-    if found.undecided.size or not np.isfinite(found.upper[0]):
+    if found["status"][0] != OPTIMAL or not np.isfinite(found["upper"][0]):
         return None
-    return [(row, np.sign(found.duals[1, 0, row])) for row in np.flatnonzero(found.duals[1, 0])]
+    return [(row, np.sign(found["duals"][0, 1, row])) for row in np.flatnonzero(found["duals"][0, 1])]
 
 
 def degenerate_problem(rng):
