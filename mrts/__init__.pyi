@@ -35,8 +35,8 @@ from mrts.output.saved_result import load_result as load_result
 from mrts.output.saved_result import save_result as save_result
 from mrts.output.trajectory_table import write_trajectory_csv as write_trajectory_csv
 from mrts.program.load_sharing import LoadSharing as LoadSharing
-from mrts.program.range_status import ScalingStatus as ScalingStatus
 from mrts.program.rate_limits import RateLimits as RateLimits
+from mrts.program.sample_ranges import ScalingStatus as ScalingStatus
 from mrts.scaling.scale import ScalingResult as ScalingResult
 from mrts.scaling.scale import SelectionError as SelectionError
 from mrts.scaling.scale import scale as scale

@@ -17,8 +17,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.kernel.programs import solve_batch
 from mrts.program.motion_rows import motion_rows
-from mrts.program.range_ends import UNBOUNDED
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import UNBOUNDED
 from mrts.program.solvers import ConvexPrograms
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

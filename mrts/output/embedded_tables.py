@@ -26,9 +26,8 @@ from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
-from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import motion_ranges
+from mrts.program.sample_ranges import RangeStatus, motion_ranges
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 
 ON_THE_MOTION = (velocity_limits, acceleration_limits, point_limits, carried_limits)

@@ -31,7 +31,7 @@ from mrts.plots.plot import (
     time_axis,
     upright,
 )
-from mrts.program.range_status import RangeStatus
+from mrts.program.sample_ranges import RangeStatus
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scale import ScalingResult
 

@@ -19,7 +19,7 @@ from mrts.base.errors import InputError
 from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
 from mrts.plots.plot import Axis, Item, Line, Panel, Plot, Points, level
-from mrts.program.range_status import RangeStatus
+from mrts.program.sample_ranges import RangeStatus
 from mrts.studies.study_folder import read_study_folder
 from mrts.studies.variants import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE
 

@@ -12,7 +12,6 @@ from mrts.base.load_box import LoadPoint
 from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.limits.rows import ActiveRow, rows_text
 from mrts.program.motion_rows import MotionRows
-from mrts.program.range_ends import highest_intervals
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER, ConvexPrograms, require_verified, solve_programs
 
@@ -24,9 +23,6 @@ NEGLIGIBLE_MULTIPLIER = 1e-9
 
 COMBINATION_TOLERANCE = 1e-8
 """Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
-
-HALVINGS = 40
-"""Bisections for the widening at the closest speed: to 1e-12 of what standstill takes."""
 
 
 @dataclass(frozen=True)
@@ -91,16 +87,12 @@ class Conflict:
         )
 
 
-def find_conflicts(problem: SampleProblem, time: Array) -> list[Conflict | None]:
-    """What conflicts at N samples with times of Shape (N,); None where the limits hold together.
+def linear_conflicts(problem: SampleProblem, time: Array) -> list[Conflict | None]:
+    """What conflicts at N samples with times of Shape (N,), without terms in ṙ; None where the limits hold together.
 
     The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
     where the sample is infeasible, and its multipliers are the Farkas certificate.
     """
-    if problem.speed is not None:
-        best = closest_speed(problem) ** 2
-        found = zip(conflicts_at(problem, best, time), best.tolist(), strict=True)
-        return [conflict and replace(conflict, c2=c2) for conflict, c2 in found]
     limits, unit = (problem.A, problem.lower, problem.upper, problem.is_limit), problem.unit
     widening, dual = least_widening(*limits, solver=problem.solver, least_last=0.0)
     conflicts: list[Conflict | None] = []
@@ -123,30 +115,10 @@ def find_conflicts(problem: SampleProblem, time: Array) -> list[Conflict | None]
 
 
 def conflicts_at(problem: SampleProblem, c2: Array, time: Array) -> list[Conflict | None]:
-    """`find_conflicts` at a chosen c² of each sample, where everything is linear."""
+    """`linear_conflicts` at a chosen c² of each sample, where everything is linear."""
     lower, upper = problem.limits_at(c2[:, None])
     A = np.concatenate([problem.free, np.zeros((*problem.square.shape, 1))], axis=2)
-    return find_conflicts(replace(problem, A=A, lower=lower, upper=upper, speed=None), time)
-
-
-def closest_speed(problem: SampleProblem) -> Array:
-    """The c at which the limits of a sample must move outward the least, Shape (N,), where rows have a term in ṙ.
-
-    The widening is no convex function of c, but the more of it the more speeds are admitted: it is halved as long as
-    some speed is left, up to what standstill takes.
-    """
-    c, low = np.zeros((2, problem.samples))
-    high = widening_at(problem, 0.0)
-    for _ in range(HALVINGS):
-        level = (low + high) / 2
-        moved = level[:, None] * problem.is_limit
-        wider = replace(problem, lower=problem.lower - moved, upper=problem.upper + moved)
-        found = highest_intervals(wider, np.full(problem.samples, np.inf))
-        admitted = found["status"] == OPTIMAL
-        low, high = np.where(admitted, low, level), np.where(admitted, level, high)
-        least, most = np.sqrt(found["lower"][admitted]), np.sqrt(found["upper"][admitted])
-        c[admitted] = np.where(np.isfinite(most), (least + most) / 2, least)
-    return c
+    return linear_conflicts(replace(problem, A=A, lower=lower, upper=upper, speed=None), time)
 
 
 def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:

@@ -24,8 +24,8 @@ from mrts.limits.rows import ActiveRow, LimitRows, RowName, counted_sizes
 from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_solver import KernelSolver
-from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem, moved_by
+from mrts.program.sample_ranges import BINDING_TOLERANCE
 from mrts.program.smooth_program import SmoothProgram
 
 LEAST_SHARE = 0.01

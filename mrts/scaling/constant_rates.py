@@ -22,10 +22,10 @@ from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.formulation import DistributionName
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_solver import KernelSolver
-from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits, rate_names
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import RangeStatus
 from mrts.program.smooth_program import SmoothProgram, path_program, third_derivatives, without_polygons
 from mrts.program.torque_distribution import TORQUE_WIDENING
 from mrts.scaling.range import RangeEnd, ScalingRange, range_between

@@ -27,10 +27,18 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import RATES, ActiveRow, Side, row_labels, rows_text
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows
-from mrts.program.range_ends import MOST_INTERVALS, UNBOUNDED
-from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import NO_EFFECT, SampleProblem, build_sample_problem
-from mrts.program.sample_ranges import POINT_TOLERANCE, SIDES, SampleRanges, first_least, motion_ranges, sample_ranges
+from mrts.program.sample_ranges import (
+    MOST_INTERVALS,
+    POINT_TOLERANCE,
+    SIDES,
+    UNBOUNDED,
+    RangeStatus,
+    SampleRanges,
+    first_least,
+    motion_ranges,
+    sample_ranges,
+)
 from mrts.scaling.options import Options, load_box
 
 INERT = 1e-12

@@ -38,11 +38,10 @@ from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at, motion_widening
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows
-from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK, build_sample_problem
-from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
+from mrts.program.sample_ranges import POINT_TOLERANCE, RangeStatus, SampleRanges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.scaling.constant_rates import RatedFactors, torques_within_rates

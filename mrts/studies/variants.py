@@ -29,8 +29,7 @@ from mrts.limits.rows import ActiveRow, kernel_limits
 from mrts.motion.object_courses import PROFILES, geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.motion_rows import binds, largest_square, side_share
-from mrts.program.range_status import RangeStatus
-from mrts.program.sample_ranges import SampleRanges
+from mrts.program.sample_ranges import RangeStatus, SampleRanges
 from mrts.scaling.options import Options
 from mrts.scaling.range import RangeEnd, ScalingRange, range_between
 from mrts.scaling.scale import admissible_range

@@ -14,9 +14,10 @@ from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import RowName, rows_text
-from mrts.program.infeasibility import Conflict, conflicts_at, find_conflicts
+from mrts.program.infeasibility import Conflict, conflicts_at
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import find_conflicts
 from mrts.program.smooth_program import segment_times
 from mrts.scaling.range import effective_parameters
 from mrts.timing.fastest_profile import (

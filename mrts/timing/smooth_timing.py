@@ -13,9 +13,9 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_solver import KEPT, KernelSolver
-from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import RangeStatus
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path_program
 from mrts.program.successive_steps import NoProfileError, StepsTaken, cost, last_step, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights

@@ -12,9 +12,8 @@ import mrts
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import STANDSTILL
 from mrts.program import sample_ranges
-from mrts.program.range_ends import ends_of_problem, rows_at_end
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.sample_ranges import TIE
+from mrts.program.sample_ranges import TIE, ends_of_problem, rows_at_end
 from mrts.scaling.range import intersect
 
 SOLVERS = ("kernel", "qpsol:qpoases")

@@ -8,9 +8,8 @@ from draws import seeds
 import mrts
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
-from mrts.program.range_status import SampleStatus
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import sample_ranges
+from mrts.program.sample_ranges import SampleStatus, sample_ranges
 from mrts.program.torque_distribution import distribute_torques
 
 LIMIT_TOLERANCE = 3e-9  # the quadratic program widens limits by 1e-9 of their size plus 1e-9

@@ -12,10 +12,10 @@ from random_motors import equipped
 import mrts
 from mrts.cell.robot import JointMotors
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
-from mrts.program.infeasibility import closest_speed, widening_at
+from mrts.program.infeasibility import widening_at
 from mrts.program.motion_rows import motion_rows, motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import motion_ranges, sample_ranges
+from mrts.program.sample_ranges import closest_speed, motion_ranges, sample_ranges
 
 
 def test_friction_points_along_the_travel_and_is_one_sided_at_rest(lift):

@@ -13,8 +13,8 @@ from shipped_cells import still_motion
 import mrts
 from mrts.program.infeasibility import separation
 from mrts.program.motion_rows import motion_rows
-from mrts.program.range_status import SampleStatus
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import SampleStatus
 from mrts.scaling.range import intersect
 
 pytestmark = pytest.mark.quick

@@ -15,9 +15,8 @@ import mrts
 from mrts.base.load_box import load_vector
 from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
-from mrts.program.range_status import SampleStatus
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import sample_ranges
+from mrts.program.sample_ranges import SampleStatus, sample_ranges
 
 RANGE_TOLERANCE = 1e-8  # the bar of a guaranteed end; programs are verified to 1e-9
 

@@ -365,7 +365,7 @@ static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides,
     return x[F];
 }
 
-/* Names the rows that are at their limit in every solution at an end, as mrts/program/range_ends.py does: those with a
+/* Names the rows that are at their limit in every solution at an end, as mrts/program/sample_ranges.py does: those with a
  * multiplier that cannot be rounding, and of those near their limit in the solution found the ones that no other keeps
  * away from it. `sample` has the rows of one sample, not scaled, in its first lane. */
 static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, double c2, const double *x,
