@@ -22,7 +22,6 @@ from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
 from mrts.cell.robot import EFFECTS
 from mrts.control.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
-from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.kernel.binding import INFINITY, structure
 from mrts.kernel.c_text import OVERRIDE, override_source
 from mrts.kernel.compiler import compiled_library
@@ -178,8 +177,7 @@ class PlayedTables:
             return
         moving = motion_of(cell, states)
         way = np.sign(self.nodes["q"][segment + 1] - self.nodes["q"][segment])
-        motion = unchecked_coordinated_motion(moving.object, moving.q, moving.dq, moving.ddq, np.stack([way, way]))
-        rows = motion_rows(cell, motion, self.plan.options.sharing)
+        rows = motion_rows(cell, replace(moving, travel=np.stack([way, way])), self.plan.options.sharing)
         for load in others:
             yield motion_widening(rows, np.ones(len(segment)), load)
 

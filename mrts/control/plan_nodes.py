@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_first, unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_first
 from mrts.kernel.binding import INFINITY
-from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import motion_rows, travel_directions
@@ -196,9 +196,10 @@ def _columns(motion: CoordinatedMotion) -> dict[str, Array]:
 
 
 def _motion(time: Array, of: dict[str, Array]) -> CoordinatedMotion:
-    carried = unchecked_object_motion(time, *(of[name] for name in ("position", "rotation", "twist", "acceleration")))
+    poses = (of[name] for name in ("position", "rotation", "twist", "acceleration"))
     travel = np.ascontiguousarray(of["travel"].transpose(1, 0, 2))
-    return unchecked_coordinated_motion(carried, of["q"], of["dq"], of["ddq"], travel)
+    carried = ObjectMotion(time, *poses, checked=False)
+    return CoordinatedMotion(carried, of["q"], of["dq"], of["ddq"], travel=travel, checked=False)
 
 
 def divided(plan: Plan, segments: NDArray[np.intp], states: NDArray[Any]) -> Plan:

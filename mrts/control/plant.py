@@ -14,8 +14,8 @@ from mrts.base.rigid_transform import quaternions_from_rotations, rotations_from
 from mrts.cell.cell import Cell
 from mrts.cell.generation import chain_of
 from mrts.control.controller import PlantErrors
-from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
-from mrts.motion.object_motion import unchecked_object_motion
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.motion.object_motion import ObjectMotion
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 SPATIAL = 6
@@ -202,10 +202,9 @@ class Plant:
         twist, acceleration = (
             np.hstack([of[:, :3], np.einsum("nij,nj->ni", rotation, of[:, 3:6])]) for of in (qvel, qacc)
         )
-        motion: CoordinatedMotion = unchecked_coordinated_motion(
-            unchecked_object_motion(time, qpos[:, :3], rotation, twist, acceleration),
-            qpos[:, self.q_index], qvel[:, self.v_index], qacc[:, self.v_index],
-        )  # fmt: skip
+        carried = ObjectMotion(time, qpos[:, :3], rotation, twist, acceleration, checked=False)
+        q, dq, ddq = qpos[:, self.q_index], qvel[:, self.v_index], qacc[:, self.v_index]
+        motion = CoordinatedMotion(carried, q, dq, ddq, checked=False)
         wrench = []
         for index, (robot, start) in enumerate(zip(self.cell.robots, self._grasps(), strict=True)):
             R = robot.T_world_base.R.T @ axes[:, 9 * index : 9 * index + 9].reshape(-1, 3, 3)

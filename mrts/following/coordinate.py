@@ -22,13 +22,12 @@ from mrts.following.coordinated_motion import (
     carried_by_each,
     carried_by_first,
     follow_object,
-    unchecked_coordinated_motion,
 )
 from mrts.following.joint_columns import MOST_NAMED, required_columns
 from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits, check_regular, joints_on_grasps, tip_rates
 from mrts.kernel.tracking import closure_sizes
 from mrts.motion.joint_table import JointTable
-from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 
 WITHIN = Rule(gt=0, le=0.1)
 """[m, rad]; hands that far from their grasps hold another object."""
@@ -118,7 +117,7 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     time, joints, course, said = table.of(names)
     check_joint_limits(cell, time, joints[0], PRINTED_TOLERANCE)
     carried = carried_by_first(cell, time, *joints)
-    given = replace(carried, remarks=(*said, *remarks), course=course)
+    given = replace(carried, remarks=(*said, *remarks), course=course, checked=False)
     return close_chain(cell, given, bound, str(table.path), carried=True)
 
 
@@ -228,7 +227,7 @@ def close_chain(
         )
         remarks += (Remark("chain-closed", told, sample),)
     course = given.course and replace(given.course, closed=True)
-    return unchecked_coordinated_motion(target, q, dq, ddq, None, remarks, course)
+    return CoordinatedMotion(target, q, dq, ddq, remarks, course=course, checked=False)
 
 
 def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:
@@ -272,4 +271,4 @@ def mean_object(carried: list[ObjectMotion]) -> ObjectMotion:
         np.mean([getattr(each, name) for each in carried], axis=0) for name in ("position", "twist", "acceleration")
     )
     rotation = rotations_from_vectors(np.mean(off, axis=0)) @ first
-    return unchecked_object_motion(carried[0].time, position, rotation, twist, acceleration)
+    return ObjectMotion(carried[0].time, position, rotation, twist, acceleration, checked=False)

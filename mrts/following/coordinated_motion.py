@@ -2,7 +2,7 @@
 """The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from operator import attrgetter
 from typing import Annotated, Any
 
@@ -17,7 +17,7 @@ from mrts.cell.cell import Cell
 from mrts.following.tracking import FURTHER_STARTS, is_redundant, random_starts, track_variants
 from mrts.kernel.tracking import PATH
 from mrts.motion.joint_table import UNTIMED, JointCourse
-from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 
 OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
@@ -57,6 +57,9 @@ class CoordinatedMotion:
         travel: Signs of the joints' velocities just before and just after every sample, where `dq` and `ddq` do not
             show them: a motion at a stop of a retimed path has none of its own. Shape (2, N, m); None where they do.
         course: What a table makes of the joints between its rows; None where only samples of them are known.
+
+    Args:
+        checked: As in `ObjectMotion`.
     """
 
     object: ObjectMotion
@@ -66,12 +69,14 @@ class CoordinatedMotion:
     remarks: tuple[Remark, ...] = ()
     travel: Array | None = None
     course: JointCourse | None = field(default=None, kw_only=True)
+    checked: InitVar[bool] = field(default=True, kw_only=True)
 
-    def __post_init__(self) -> None:
-        check_type("object", self.object, ObjectMotion)
-        check_attributes(self, CoordinatedMotion, "motion", N=len(self.object.time))
-        if self.travel is not None and (self.travel.shape != (2, *self.q.shape) or np.any(np.abs(self.travel) > 1)):
-            raise InputError("travel", f"must have Shape {(2, *self.q.shape)} and lie between -1 and 1.")
+    def __post_init__(self, checked: bool) -> None:
+        if checked:
+            check_type("object", self.object, ObjectMotion)
+            check_attributes(self, CoordinatedMotion, "motion", N=len(self.object.time))
+            if self.travel is not None and (self.travel.shape != (2, *self.q.shape) or np.any(np.abs(self.travel) > 1)):
+                raise InputError("travel", f"must have Shape {(2, *self.q.shape)} and lie between -1 and 1.")
         freeze(self)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -91,15 +96,27 @@ class CoordinatedMotion:
         """Whether it is a path through waypoints, whose time is its length."""
         return UNTIMED in map(attrgetter("code"), self.remarks)
 
-    def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
-        """Some samples, at least two, Shape (k,), by themselves; their time only counts them."""
-        of = self.object
-        some = unchecked_object_motion(
-            np.arange(len(samples), dtype=np.float64),
-            *(of.position[samples], of.rotation[samples], of.twist[samples], of.acceleration[samples]),
-        )
-        travel = None if self.travel is None else self.travel[:, samples]
-        return unchecked_coordinated_motion(some, self.q[samples], self.dq[samples], self.ddq[samples], travel)
+    def at(self, samples: NDArray[np.int_] | slice, time: Array | None = None) -> "CoordinatedMotion":
+        """Some samples, at least two, by themselves; where no time is given, Shape (k,), it only counts them."""
+        of, travel = self.object, None if self.travel is None else self.travel[:, samples]
+        q, dq, ddq = self.q[samples], self.dq[samples], self.ddq[samples]
+        poses = of.position[samples], of.rotation[samples], of.twist[samples], of.acceleration[samples]
+        some = ObjectMotion(np.arange(len(q), dtype=np.float64) if time is None else time, *poses, checked=False)
+        return CoordinatedMotion(some, q, dq, ddq, travel=travel, checked=False)
+
+    def played(
+        self, time: Array, rate: Array | float, change: Array | float = 0.0, travel: Array | None = None
+    ) -> "CoordinatedMotion":
+        """The same poses at another time r⁻¹, Shape (N,), by its ṙ and r̈, Shape (N, 1): eq. (10) and its derivative.
+
+        q̇ = q' ṙ and q̈ = q'' ṙ² + q' r̈, and so for the object; `travel` is that of the motion unless it is given.
+        """
+        of, square = self.object, rate**2
+        twist, acceleration = of.twist * rate, of.acceleration * square + of.twist * change
+        carried = ObjectMotion(time, of.position, of.rotation, twist, acceleration, checked=False)
+        dq, ddq = self.dq * rate, self.ddq * square + self.dq * change
+        travel = self.travel if travel is None else travel
+        return CoordinatedMotion(carried, self.q, dq, ddq, travel=travel, checked=False)
 
     def inputs(self, load: Array) -> dict[str, Array]:
         """Inputs of the generated functions of a moving sample.
@@ -116,22 +133,6 @@ class CoordinatedMotion:
             "object_acceleration": self.object.acceleration,
             "load": load,
         }
-
-
-def unchecked_coordinated_motion(
-    carried: ObjectMotion,
-    q: Array,
-    dq: Array,
-    ddq: Array,
-    travel: Array | None = None,
-    remarks: tuple[Remark, ...] = (),
-    course: JointCourse | None = None,
-) -> CoordinatedMotion:
-    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
-    done = object.__new__(CoordinatedMotion)
-    vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=remarks, travel=travel, course=course)
-    freeze(done)
-    return done
 
 
 def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
@@ -168,12 +169,12 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
             f"limits: it starts at the nearest positions that {FURTHER_STARTS} further starts led to."
         )
         remarks += (Remark("other-start", told, 0),)
-    return unchecked_coordinated_motion(motion, tracked.q[0], tracked.dq[0], tracked.ddq[0], None, remarks)
+    return CoordinatedMotion(motion, tracked.q[0], tracked.dq[0], tracked.ddq[0], remarks, checked=False)
 
 
 def carried_by_first(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> CoordinatedMotion:
     """The motion of the object that the first robot's tip carries, with the joints', each Shape (N, m)."""
-    return unchecked_coordinated_motion(carried_by_each(cell, time, q, dq, ddq)[0], q, dq, ddq)
+    return CoordinatedMotion(carried_by_each(cell, time, q, dq, ddq)[0], q, dq, ddq, checked=False)
 
 
 def carried_by_each(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> list[ObjectMotion]:
@@ -192,7 +193,7 @@ def carried_by_each(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) ->
         v, w, a, dw = (rate[:, part] @ robot.T_world_base.R.T for rate in rates for part in (slice(3), slice(3, 6)))
         twist = np.concatenate([v - cross(w, r), w], axis=1)
         acceleration = np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1)
-        carried.append(unchecked_object_motion(time, tips[:, :, index] - r, rotation, twist, acceleration))
+        carried.append(ObjectMotion(time, tips[:, :, index] - r, rotation, twist, acceleration, checked=False))
     return carried
 
 

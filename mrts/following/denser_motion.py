@@ -18,11 +18,11 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import holds, mean_object
-from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
 from mrts.following.tracking import joints_on_grasps
 from mrts.kernel.tracking import PATH
 from mrts.motion.object_courses import CORNER_TOLERANCE, CORNERS, ProfiledPath
-from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 """Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""
@@ -67,7 +67,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     carried = [] if known else carried_by_each(cell, at, q, dq, ddq)
     target = known or carried[0]
-    rough = unchecked_coordinated_motion(target, q, dq, ddq, _travel(motion, dq, [0, -1]))
+    rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]), checked=False)
     if holds(cell, rough, (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP) or not _closed(cell, motion):
         return rough
     target = known or mean_object(carried)
@@ -75,7 +75,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
         q, dq, ddq = joints_on_grasps(cell, target, q, dq, ddq)
     except MotionError as error:
         raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
-    return unchecked_coordinated_motion(target, q, dq, ddq, rough.travel)
+    return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel, checked=False)
 
 
 def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[np.intp]) -> CoordinatedMotion:
@@ -88,11 +88,11 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
 
     samples: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in PATH}
     told = moved_remarks(ours.remarks, ours.time, theirs.time[chosen])
-    carried = unchecked_object_motion(**samples, remarks=told, course=ours.course)
+    carried = ObjectMotion(**samples, remarks=told, course=ours.course, checked=False)
     q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))
     remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
     travel = _travel(motion, dq, (order < motion.samples).nonzero()[0])
-    return unchecked_coordinated_motion(carried, q, dq, ddq, travel, remarks, motion.course)
+    return CoordinatedMotion(carried, q, dq, ddq, remarks, travel, course=motion.course, checked=False)
 
 
 def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:
@@ -181,7 +181,7 @@ def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
         if np.abs(there[:3] - known[own]).max() > SAME_COURSE * max(1.0, float(np.abs(known).max())):
             return None
         parts.append(there[3:])
-    return unchecked_object_motion(time, *parts)
+    return ObjectMotion(time, *parts, checked=False)
 
 
 def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:

@@ -2,7 +2,7 @@
 """The motion of the carried object: its samples, checked, and where it is known, its course between them."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
@@ -53,6 +53,9 @@ class ObjectMotion(InNotebooks):
         acceleration: [p''; φ''], Shape (N, 6) [m/s², rad/s²].
         remarks: What to know of how it was read.
         course: The same motion at any times; None where only its samples are known.
+
+    Args:
+        checked: False for one of this library's own making, whose arrays are taken as they are.
     """
 
     time: Annotated[Array, Shape("N", finite=True)]
@@ -62,6 +65,7 @@ class ObjectMotion(InNotebooks):
     acceleration: Annotated[Array, Shape("N", 6, finite=True)]
     remarks: tuple[Remark, ...] = field(default=(), kw_only=True)
     course: ObjectCourse | None = field(default=None, kw_only=True, compare=False)
+    checked: InitVar[bool] = field(default=True, kw_only=True)
 
     def __repr__(self) -> str:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
@@ -77,14 +81,20 @@ class ObjectMotion(InNotebooks):
             *((remark.code, remark.text) for remark in self.remarks),
         ])  # fmt: skip
 
-    def __post_init__(self) -> None:
-        check_attributes(self, ObjectMotion, "motion")
-        if len(self.time) < 2 or self.time[0] != 0 or not np.all(np.diff(self.time) > 0):  # noqa: PLR2004 (two ends)
-            raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
-        if not _turns(self.rotation):
-            raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
-        object.__setattr__(self, "rotation", _by_columns(self.rotation))
+    def __post_init__(self, checked: bool) -> None:
+        if checked:
+            check_attributes(self, ObjectMotion, "motion")
+            if len(self.time) < 2 or self.time[0] != 0 or not np.all(np.diff(self.time) > 0):  # noqa: PLR2004 (two ends)
+                raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
+            if not _turns(self.rotation):
+                raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
+            self._check_rates()
+        columns = np.ascontiguousarray(self.rotation.transpose(0, 2, 1))  # as generated functions read them
+        columns.setflags(write=False)
+        vars(self)["rotation"] = columns.transpose(0, 2, 1)
         freeze(self)
+
+    def _check_rates(self) -> None:
         time = self.time
         steps = vectors_from_rotations(self.rotation[1:] @ self.rotation[:-1].transpose(0, 2, 1))
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
@@ -92,40 +102,9 @@ class ObjectMotion(InNotebooks):
         check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3], noise)
         check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:], noise)
 
-    def played(self, time: Array, twist: Array, acceleration: Array) -> "ObjectMotion":
-        """The same poses at other times with other rates, which are taken as they are."""
-        return unchecked_object_motion(time, self.position, self.rotation, twist, acceleration)
-
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         freeze(self)
-
-
-def unchecked_object_motion(
-    time: Array,
-    position: Array,
-    rotation: Array,
-    twist: Array,
-    acceleration: Array,
-    *,
-    remarks: tuple[Remark, ...] = (),
-    course: ObjectCourse | None = None,
-) -> ObjectMotion:
-    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
-    done = object.__new__(ObjectMotion)
-    vars(done).update(
-        time=time, position=position, rotation=_by_columns(rotation), twist=twist, acceleration=acceleration,
-        remarks=remarks, course=course,
-    )  # fmt: skip
-    freeze(done)
-    return done
-
-
-def _by_columns(rotation: Array) -> Array:
-    """The same numbers as generated functions read them; nobody can write to them."""
-    columns = np.ascontiguousarray(rotation.transpose(0, 2, 1))
-    columns.setflags(write=False)
-    return columns.transpose(0, 2, 1)
 
 
 def _turns(rotation: Array) -> bool:

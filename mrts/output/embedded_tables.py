@@ -22,7 +22,7 @@ from mrts.limits.cell_limits import curve_rows, motor_limits, velocity_limits, v
 from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_limits, point_limits
 from mrts.limits.rows import LimitRows, RowName, base_axes, limit_name, stack_rows
 from mrts.motion.motion_file import load_motion
-from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
@@ -171,7 +171,7 @@ def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
     q, dq, ddq = rng.normal(size=(3, 2, joints))
     position, twist, acceleration = rng.normal(size=(2, 3)), *rng.normal(size=(2, 2, 6))
     time, still = np.array([0.0, 1.0]), np.tile(np.eye(3), (2, 1, 1))
-    return CoordinatedMotion(unchecked_object_motion(time, position, still, twist, acceleration), q, dq, ddq)
+    return CoordinatedMotion(ObjectMotion(time, position, still, twist, acceleration, checked=False), q, dq, ddq)
 
 
 def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:

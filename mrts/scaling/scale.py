@@ -743,11 +743,10 @@ def _sampled(result: ScalingResult, steps: int, rate: float) -> CoordinatedMotio
     end = float(given.object.time[-1])
     some = between_samples(result.trajectory.cell, given, time[1:-1] * (end / time[-1]))
     c = end / float(time[-1])
-    carried = some.object.played(time, c * some.object.twist, c**2 * some.object.acceleration)
-    q, dq, ddq = some.q, c * some.dq, c**2 * some.ddq
-    for found in joint_contradictions(result.cell.joint_names, time, q, dq, ddq):
+    played = some.played(time, c)
+    for found in joint_contradictions(result.cell.joint_names, time, played.q, played.dq, played.ddq):
         raise InputError("rate", f"is too low for this plan: {found}", value=rate)
-    return CoordinatedMotion(carried, q, dq, ddq, travel=some.travel)
+    return played
 
 
 def kept_text(reserve: float) -> str:

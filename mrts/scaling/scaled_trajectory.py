@@ -15,7 +15,7 @@ from mrts.base.notebook import NotebookTable
 from mrts.base.words import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import all_rows
 from mrts.limits.cell_limits import torque_limits
 from mrts.limits.rows import TORQUE_SPEED, RowName, polygons, side_size
@@ -296,9 +296,7 @@ class ScaledTrajectory:
     @property
     def played(self) -> CoordinatedMotion:
         """The motion by its new time."""
-        given = self.motion.object
-        carried = given.played(self.time, self.c * given.twist, self.c2 * given.acceleration)
-        return unchecked_coordinated_motion(carried, self.q, self.dq, self.ddq, self.motion.travel)
+        return self.motion.played(self.time, self.c)
 
     @property
     def duration(self) -> float:

@@ -176,7 +176,7 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
     else:
         torque, wrench = _best_torques(cell, motion)
     done = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
-    dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], _at(motion, rows)
+    dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], motion.at(rows, motion.object.time[rows])
     kept = moving_rows(time, given["q"], dq, ddq)
     moving = time[kept], given["q"][kept], dq[kept], ddq[kept]
     near, said = clearance_remarks(cell, at_rows)
@@ -278,12 +278,6 @@ def _given_torques(
     moment = max(arm * largest, float(np.max(sizes[~forces])))
     group = RESIDUAL * np.where(forces, largest, moment)
     return torque, wrench, [*_uses(names, time, residual, limit), *_uses(of_object, time, np.abs(short[rows]), group)]
-
-
-def _at(motion: CoordinatedMotion, rows: NDArray[np.intp]) -> CoordinatedMotion:
-    some, time = motion.at(rows), motion.object.time[rows]
-    carried = some.object.played(time, some.object.twist, some.object.acceleration)
-    return CoordinatedMotion(carried, some.q, some.dq, some.ddq)
 
 
 def _rates(cell: Cell, at_rows: CoordinatedMotion, torque: Array, wrench: Array, *, only_jerk: bool) -> list[LimitUse]:

@@ -4,7 +4,7 @@
 The last is for smooth timings: by the time of a quintic one that starts from rest with limited rates is regular.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Literal
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, row_products
 from mrts.base.errors import InputError, MrtsError
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
 from mrts.following.tracking import nearest_rates
-from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.motion_rows import travel_directions
 from mrts.program.smooth_program import third_derivatives
@@ -184,13 +184,13 @@ def _piece(
     if not ((s[1:] > s[:-1]).all() and np.isfinite(s).all() and np.isfinite([bend.sum(), change.sum()]).all()):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
-    carried = unchecked_object_motion(s, given.position[part], given.rotation[part], turning, change)
-    path = unchecked_coordinated_motion(carried, q, direction, bend)
+    carried = ObjectMotion(s, given.position[part], given.rotation[part], turning, change, checked=False)
+    path = CoordinatedMotion(carried, q, direction, bend, checked=False)
     if continued.size:
         there, direction, bend = path.at(np.concatenate([[0], continued, [-1]])), direction.copy(), bend.copy()
         rates, changes = nearest_rates(cell, there.object, there.q, there.dq, there.ddq)
         direction[continued], bend[continued] = rates[1:-1], changes[1:-1]
-        path = unchecked_coordinated_motion(carried, q, direction, bend)
+        path = CoordinatedMotion(carried, q, direction, bend, checked=False)
     return PathPiece(
         first=first,
         path=path,
@@ -199,20 +199,6 @@ def _piece(
         speed=speed,
         rests=(bool(rest[first]), bool(rest[last])),
     )
-
-
-def _by_parameter(
-    path: CoordinatedMotion, travel: Array, sigma: Array, first: Array, second: Array
-) -> CoordinatedMotion:
-    """A path by arc length s as one by another parameter σ, by σ, ds/dσ and d²s/dσ² at the samples, each Shape (n,)."""
-
-    def rates(rate: Array, change: Array) -> tuple[Array, Array]:
-        return rate * first[:, None], change * first[:, None] ** 2 + rate * second[:, None]
-
-    given = path.object
-    dq, ddq = rates(path.dq, path.ddq)
-    carried = unchecked_object_motion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration))
-    return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel)
 
 
 def root_mean_square(values: Array) -> Array:
@@ -263,10 +249,9 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
     added = added[~np.isin(added, given)]
     whole = with_samples(cell, motion, added)
     chosen = np.flatnonzero(np.isin(whole.object.time, np.concatenate([added, given[kept]])))
-    nodes, time, course = whole.at(chosen), whole.object.time[chosen], whole.object.course
-    of = nodes.object
-    carried = unchecked_object_motion(time, of.position, of.rotation, of.twist, of.acceleration, course=course)
-    return unchecked_coordinated_motion(carried, nodes.q, nodes.dq, nodes.ddq, nodes.travel, (), whole.course)
+    nodes = whole.at(chosen, whole.object.time[chosen])
+    carried = replace(nodes.object, course=whole.object.course, checked=False)
+    return replace(nodes, object=carried, course=whole.course, checked=False)
 
 
 def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
@@ -320,12 +305,12 @@ def _smooth_piece(
     first, second, third = by[:, sides, None]
     return SmoothPath(
         first=first_node,
-        path=_by_parameter(path.at(nodes), travel[:, nodes], z[nodes] * duration, *by[:2, nodes]),
+        path=path.at(nodes).played(z[nodes] * duration, *by[:2, nodes, None], travel=travel[:, nodes]),
         speed=piece.speed[nodes],
         rests=piece.rests,
         arc=s[nodes],
         arc_speed=by[0, nodes],
-        fine=_by_parameter(path, travel, z * duration, *by[:2]),
+        fine=path.played(z * duration, *by[:2, :, None], travel=travel),
         third=turns * first**3 + 3 * path.ddq[sides] * first * second + path.dq[sides] * third,
     )
 

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Remark, printable
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.binding import filled, structure
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.between_samples import Excess
 from mrts.program.infeasibility import Conflict
@@ -450,10 +450,12 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     for part in pieces:
         rates, path = part.rates, part.piece.path
         at_samples = np.concatenate([rates[:1, 0], (rates[:-1, 1] + rates[1:, 0]) / 2, rates[-1:, 1]])
-        played.append((*_played(path, part.x, at_samples), *travel_directions(path)))
+        own = path.played(path.object.time, np.sqrt(part.x)[:, None], at_samples[:, None])
+        played.append((own.dq, own.ddq, own.object.twist, own.object.acceleration, *travel_directions(path)))
     dq, ddq, twist, acceleration, *travel = map(_joined, zip(*played, strict=True))
-    carried = motion.object.played(new_times(pieces), twist, acceleration)
-    return unchecked_coordinated_motion(carried, motion.q, dq, ddq, np.array(travel))
+    of = motion.object
+    carried = ObjectMotion(new_times(pieces), of.position, of.rotation, twist, acceleration, checked=False)
+    return CoordinatedMotion(carried, motion.q, dq, ddq, travel=np.array(travel), checked=False)
 
 
 def smooth_torques(pieces: Sequence[TimedPiece]) -> tuple[Array, Array]:
@@ -473,13 +475,12 @@ def _joined(parts: Sequence[Array]) -> Array:
 
 def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMotion]:
     """The starts and the ends of all segments, each with the s̈ of its segment; their time only counts them."""
-    path, given, travel = part.piece.path, part.piece.path.object, travel_directions(part.piece.path)
-    count, ends = np.arange(len(part.piece.step), dtype=np.float64), []
-    for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True):
-        dq, ddq, twist, acceleration = _played(path, part.x, rate, side)
-        there = unchecked_object_motion(count, given.position[side], given.rotation[side], twist, acceleration)
-        ends.append(unchecked_coordinated_motion(there, path.q[side], dq, ddq, travel[:, side]))
-    return ends[0], ends[1]
+    path, speed, travel = part.piece.path, np.sqrt(part.x)[:, None], travel_directions(part.piece.path)
+    start, end = (
+        path.at(side).played(np.arange(len(rate), dtype=np.float64), speed[side], rate[:, None], travel[:, side])
+        for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True)
+    )
+    return start, end
 
 
 def between_path_samples(
@@ -503,20 +504,5 @@ def between_path_samples(
     library.opened.mrts_path_places(count, along, part.x, part.rates, cell.geometry, segments, cell.wrench_rows, *found)
     s, q, dq, ddq, position, rotation, twist, acceleration = found
     by_columns = rotation.transpose(0, 2, 1)  # as generated functions want them
-    return unchecked_coordinated_motion(
-        unchecked_object_motion(s, position, by_columns, twist, acceleration), q, dq, ddq
-    )
-
-
-def _played(
-    path: CoordinatedMotion, x: Array, rate: Array, side: slice = slice(None)
-) -> tuple[Array, Array, Array, Array]:
-    """Eq. (10) and its derivative along s: q̇ = q_s ṡ, q̈ = q_ss ṡ² + q_s s̈, and so for the object."""
-    given, square, rate = path.object, x[side, None], rate[:, None]
-    speed = np.sqrt(square)
-    return (
-        path.dq[side] * speed,
-        path.ddq[side] * square + path.dq[side] * rate,
-        given.twist[side] * speed,
-        given.acceleration[side] * square + given.twist[side] * rate,
-    )
+    carried = ObjectMotion(s, position, by_columns, twist, acceleration, checked=False)
+    return CoordinatedMotion(carried, q, dq, ddq, checked=False)

@@ -5,7 +5,7 @@ from random_motors import equipped
 from shipped_cells import cell_of_arms
 
 import mrts
-from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 
 GANTRY = """<robot name="gantry"><link name="base"/>
 <link name="x"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -44,7 +44,8 @@ def straight(time, x, v, a):
     """A motion along x of any positions, velocities and accelerations."""
     place, twist, acceleration = np.zeros((3, len(time), 6))
     place[:, 0], twist[:, 0], acceleration[:, 0] = x, v, a
-    return unchecked_object_motion(time, place[:, :3], np.tile(np.eye(3), (len(time), 1, 1)), twist, acceleration)
+    turned = np.tile(np.eye(3), (len(time), 1, 1))
+    return ObjectMotion(time, place[:, :3], turned, twist, acceleration, checked=False)
 
 
 def there_and_back(turn, samples=101, wait=0):
@@ -73,7 +74,7 @@ def loop(time, turned, speed, rate, radius=0.5):
     acceleration[:, :3] = radius * (rate[:, None] * along - (speed**2)[:, None] * out)
     acceleration[:, 5] = -rate
     rotation = np.stack([-along, -out, np.tile([0.0, 0.0, 1.0], (len(time), 1))], axis=2)
-    return unchecked_object_motion(time, radius * out, rotation, twist, acceleration)
+    return ObjectMotion(time, radius * out, rotation, twist, acceleration, checked=False)
 
 
 UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N

@@ -11,7 +11,7 @@ from random_motors import equipped
 
 import mrts
 from mrts.cell.robot import JointMotors
-from mrts.following.coordinated_motion import unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import widening_at
 from mrts.program.motion_rows import motion_rows, motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem
@@ -22,7 +22,7 @@ def test_friction_points_along_the_travel_and_is_one_sided_at_rest(lift):
     t = np.linspace(0, 2 * np.pi, 9)
     dq = np.column_stack([np.sin(t / 2), np.sin(t), -np.sin(t / 2), np.zeros(9)])
     ddq = np.column_stack([np.cos(t / 2) / 2, np.cos(t), -np.cos(t / 2) / 2, np.zeros(9)])
-    before, after = travel_directions(unchecked_coordinated_motion(lift, dq, dq, ddq))
+    before, after = travel_directions(CoordinatedMotion(lift, dq, dq, ddq))
     assert np.array_equal(before[:, 0], np.ones(9))
     assert np.array_equal(after[:, 0], np.ones(9))
     assert np.array_equal(before[:, 1], [1, 1, 1, 1, 1, -1, -1, -1, -1])

@@ -10,7 +10,7 @@ from scipy.interpolate import make_interp_spline
 
 import mrts
 from mrts.following.coordinate import coordinate
-from mrts.following.coordinated_motion import unchecked_coordinated_motion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.output.trajectory_table import trajectory_columns, trajectory_csv
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -23,9 +23,7 @@ def duty_of(cell, time, torque, dq=0.0, ddq=0.0, **known):
     limits = {"torque_lower": np.full(3, -10.0), "torque_upper": np.full(3, 10.0), "velocity_limit": np.full(3, 4.0)}
     still, first = np.zeros((len(time), 6)), np.eye(6)[0]
     carried = mrts.ObjectMotion(time, still[:, :3], np.tile(np.eye(3), (len(time), 1, 1)), still, still)
-    motion = unchecked_coordinated_motion(
-        carried, still, still + np.outer(dq, first), still + np.outer(ddq, first), None
-    )
+    motion = CoordinatedMotion(carried, still, still + np.outer(dq, first), still + np.outer(ddq, first))
     done = ScaledTrajectory(with_left(cell, motors=motors, **limits), motion, 1.0, np.outer(torque, first), still)
     return done.duty["left"]
 

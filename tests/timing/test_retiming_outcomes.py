@@ -11,7 +11,7 @@ from gantries import gantries, straight, there_and_back
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
-from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion
 
 
 @pytest.mark.quick
@@ -107,7 +107,7 @@ def test_arms_that_cannot_hold_the_object_between_samples_are_told_at_once(strid
         p, *others = lift.course(time)
         return (p + np.outer(5 * np.sin(np.pi * time / step) ** 2, [1, 0, 0]), *others)
 
-    given = unchecked_object_motion(few, position, rotation, twist, acceleration, course=away)
+    given = ObjectMotion(few, position, rotation, twist, acceleration, course=away, checked=False)
     with pytest.raises(mrts.MotionError, match="between the samples"):
         mrts.retime(planar_cell, given)
     assert mrts.retime(planar_cell, given, between=None).status.admits_motion
