@@ -47,6 +47,9 @@ COARSE_SLIPS = (0.1, 0.5)
 ROUGH = 1.0
 """Typical slip of accelerations from positions, relative to the typical acceleration: from here on they are noise."""
 
+TIGHT_GAP, TIGHT_SLIP = 1e-9, 1e-8
+"""Gap [m, rad] and relative slip that are rounding: a slip of 1e-5 is felt in the jerk between close samples."""
+
 SILENT_GAP = 1e-6
 """Gap that is closed without a word [m, rad]: any table has it."""
 
@@ -187,8 +190,10 @@ def close_chain(
     Raises:
         MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
     """
-    if holds(cell, given, (min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle)), GIVEN_SLIP):
-        return given
+    as_given = min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle), GIVEN_SLIP
+    held, closed = _held(cell, given, as_given, (TIGHT_GAP, TIGHT_GAP, TIGHT_SLIP))
+    if held:
+        return given if closed else replace(given, closed=False, checked=False)
     source = None
     if carried and given.course is not None:
         source = "positions" if given.course.rate is None else "velocities"
@@ -226,25 +231,30 @@ def close_chain(
             f"{sample}, the worst; no joint by more than {np.max(np.abs(q - given.q)):.3g} rad or m."
         )
         remarks += (Remark("chain-closed", told, sample),)
-    course = given.course and replace(given.course, closed=True)
-    return CoordinatedMotion(target, q, dq, ddq, remarks, course=course, checked=False)
+    return CoordinatedMotion(target, q, dq, ddq, remarks, course=given.course, checked=False)
 
 
-def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:
-    """Whether joints hold every grasp along a motion.
+def _held(cell: Cell, given: CoordinatedMotion, *bounds: tuple[float, float, float]) -> list[bool]:
+    """Whether joints hold every grasp along a motion, within each of some bounds.
 
-    Allowed are gaps, a distance [m] and an angle [rad], and a share of the largest velocity, or acceleration, of a tip
-    by which it slips on its grasp.
+    They are a distance [m], an angle [rad], and a share of the largest velocity, or acceleration, of a tip by which it
+    slips on its grasp.
     """
     library, target = cell.functions.compiled, given.object
     if library is None:
         by_each = carried_by_each(cell, target.time, given.q, given.dq, given.ddq)
-        near = np.all(np.max(grasp_gaps(cell, target, by_each), axis=(1, 2)) <= gaps)
-        return bool(near) and slip(cell, target, by_each, (share, share), REST_SLIP) is None
+        most = np.max(grasp_gaps(cell, target, by_each), axis=(1, 2))
+        return [
+            bool((most <= gaps).all()) and slip(cell, target, by_each, (share, share), REST_SLIP) is None
+            for *gaps, share in bounds
+        ]
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
-    sizes = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
-    fits = sizes[3::2] <= np.maximum(share * sizes[2::2], REST_SLIP)
-    return bool((sizes[:2] <= np.array(gaps)[:, None]).all() and fits.all())
+    distance, angle, *rates = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
+    sizes, slips = np.array(rates[::2]), np.array(rates[1::2])
+    return [
+        bool(max(distance) <= apart and max(angle) <= turned and (slips <= np.maximum(share * sizes, REST_SLIP)).all())
+        for apart, turned, share in bounds
+    ]
 
 
 def _check_accelerations(cell: Cell, given: ObjectMotion, carried: list[ObjectMotion], where: str) -> None:

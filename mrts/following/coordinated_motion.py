@@ -57,6 +57,7 @@ class CoordinatedMotion:
         travel: Signs of the joints' velocities just before and just after every sample, where `dq` and `ddq` do not
             show them: a motion at a stop of a retimed path has none of its own. Shape (2, N, m); None where they do.
         course: What a table makes of the joints between its rows; None where only samples of them are known.
+        closed: Whether they hold the grasps to rounding; small gaps of given joints stay, between the samples too.
 
     Args:
         checked: As in `ObjectMotion`.
@@ -69,6 +70,7 @@ class CoordinatedMotion:
     remarks: tuple[Remark, ...] = ()
     travel: Array | None = None
     course: JointCourse | None = field(default=None, kw_only=True)
+    closed: bool = field(default=True, kw_only=True)
     checked: InitVar[bool] = field(default=True, kw_only=True)
 
     def __post_init__(self, checked: bool) -> None:
@@ -102,7 +104,7 @@ class CoordinatedMotion:
         q, dq, ddq = self.q[samples], self.dq[samples], self.ddq[samples]
         poses = of.position[samples], of.rotation[samples], of.twist[samples], of.acceleration[samples]
         some = ObjectMotion(np.arange(len(q), dtype=np.float64) if time is None else time, *poses, checked=False)
-        return CoordinatedMotion(some, q, dq, ddq, travel=travel, checked=False)
+        return CoordinatedMotion(some, q, dq, ddq, travel=travel, closed=self.closed, checked=False)
 
     def played(
         self, time: Array, rate: Array | float, change: Array | float = 0.0, travel: Array | None = None

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import holds, mean_object
+from mrts.following.coordinate import mean_object
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
 from mrts.following.tracking import joints_on_grasps
 from mrts.kernel.tracking import PATH
@@ -29,15 +29,6 @@ HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 
 SAME_COURSE = 1e-9
 """How far a course may be from the samples [m and per s, of the largest]: further, it is that of another motion."""
-
-CHECKED = 12
-"""Samples of a motion by which it is told whether its hands hold their grasps exactly."""
-
-TIGHT_GAP = 1e-9
-"""Gap of polynomials from the grasps that nobody notices [m, rad]: far below any limit's tolerance."""
-
-TIGHT_SLIP = 1e-8
-"""Slip of polynomials on the grasps, relative to the largest rate: 1e-5 is felt in the jerk between close samples."""
 
 
 def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_path: bool = False) -> CoordinatedMotion:
@@ -65,17 +56,16 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
     elif motion.course is None and isinstance(given.course, ProfiledPath):
         _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
+    travel = _travel(motion, dq, [0, -1])
     carried = [] if known else carried_by_each(cell, at, q, dq, ddq)
     target = known or carried[0]
-    rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]), checked=False)
-    if holds(cell, rough, (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP) or not _closed(cell, motion):
-        return rough
-    target = known or mean_object(carried)
-    try:
-        q, dq, ddq = joints_on_grasps(cell, target, q, dq, ddq)
-    except MotionError as error:
-        raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
-    return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel, checked=False)
+    if motion.closed and len(carried) != 1:  # one hand carries the object wherever it is
+        target = known or mean_object(carried)
+        try:
+            q, dq, ddq = joints_on_grasps(cell, target, q, dq, ddq)
+        except MotionError as error:
+            raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
+    return CoordinatedMotion(target, q, dq, ddq, travel=travel, closed=motion.closed, checked=False)
 
 
 def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[np.intp]) -> CoordinatedMotion:
@@ -86,13 +76,12 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     def merged(given: Array, added: Array) -> Array:
         return np.concatenate([given, added[chosen]])[order]
 
-    samples: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in PATH}
-    told = moved_remarks(ours.remarks, ours.time, theirs.time[chosen])
-    carried = ObjectMotion(**samples, remarks=told, course=ours.course, checked=False)
+    parts: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in PATH}
+    told, remarks = (moved_remarks(of.remarks, ours.time, theirs.time[chosen]) for of in (ours, motion))
+    carried = replace(ours, **parts, remarks=told, checked=False)
     q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))
-    remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
     travel = _travel(motion, dq, (order < motion.samples).nonzero()[0])
-    return CoordinatedMotion(carried, q, dq, ddq, remarks, travel, course=motion.course, checked=False)
+    return replace(motion, object=carried, q=q, dq=dq, ddq=ddq, remarks=remarks, travel=travel, checked=False)
 
 
 def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:
@@ -182,11 +171,3 @@ def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
             return None
         parts.append(there[3:])
     return ObjectMotion(time, *parts, checked=False)
-
-
-def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
-    """Whether the samples hold their grasps exactly; those that were given with small gaps have them between too."""
-    if motion.course is not None:
-        return motion.course.closed
-    places = dict.fromkeys(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp).tolist())
-    return holds(cell, motion.at(np.array(list(places))), (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP)

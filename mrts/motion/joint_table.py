@@ -43,12 +43,10 @@ class JointCourse:
     Attributes:
         position: Splines of their positions [rad or m].
         rate: Splines of velocities that were given.
-        closed: Whether the samples were moved from these onto the grasps.
     """
 
     position: Spline
     rate: Spline | None = None
-    closed: bool = False
 
     def __call__(self, time: Array) -> tuple[Array, Array, Array]:
         """Positions, velocities and accelerations at some times, Shape (k,) [s], each Shape (k, m)."""
