@@ -17,12 +17,7 @@ from mrts.base.manifest import GEOMETRY
 from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import (
-    CoordinatedMotion,
-    carried_by_each,
-    carried_by_first,
-    follow_object,
-)
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, carried_by_first, follow_object
 from mrts.following.joint_columns import MOST_NAMED, required_columns
 from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits, check_regular, joints_on_grasps, tip_rates
 from mrts.kernel.tracking import closure_sizes

@@ -29,7 +29,7 @@ from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.kernel import tracking
 from mrts.kernel.binding import filled
-from mrts.kernel.tracking import PATH, follow_variants, hold_grasps
+from mrts.kernel.tracking import PATH, follow_variants
 from mrts.motion.object_motion import ObjectMotion
 
 POSE_TOLERANCE = 1e-10
@@ -261,16 +261,30 @@ def solve_grasps(
     near: Array | None = None,
     rates: tuple[Array | None, Array | None] = (None, None),
 ) -> tuple[Array, Array, Array, Array]:
-    """`hold_grasps` at samples, one for each of T sets to start from, Shape (T, m), or one for all.
+    """Damped Newton steps (Sugihara 2011) at samples, one for each of T sets of joints to start from, or one for all.
 
-    Redundant arms stay near the positions `near`, Shape (m,); None moves them no further than needed.
+    Args:
+        start: Shape (T, m) [rad or m].
+        near: Positions that redundant arms stay near, Shape (m,); None moves them no further than needed.
+        rates: q' and q'', Shape (T, m), which are moved in place to the nearest that keep the grasps; None for none. A
+            direction that a singular arm has lost is left as it was.
+
+    Returns:
+        Joint positions with the smallest errors met, of those without the most settled in the null space, Shape (T, m)
+        [rad or m]; errors of position [m] and of rotation [rad], and the step still to go in the null space, zero for
+        an arm that has none [rad or m], Shape (T, n) each.
     """
+    library, task = cell.functions.library, tracking_rule(cell).task
+    task.steps, count = steps, len(start)
     given = {name: getattr(motion, name)[samples] for name in PATH if name != "time"}
-    if near is not None:
-        given["reference"] = near[None]
-    rule = tracking_rule(cell)
-    rule.task.steps = steps
-    return hold_grasps(cell.functions.library, rule.task, start, given, rates)
+    shapes = {name: PATH[name] for name in given} | {"reference": start.shape[1:]}
+    places, strides = tracking.strided(count, shapes, given | {"reference": start if near is None else near[None]})
+    if near is None:
+        places[-1] = None
+    q = np.array(start, dtype=np.float64, order="C")
+    gap, turn, drift = np.zeros((3, count, library.robots))
+    library.opened.mrts_hold(count, task, places, strides, q, *rates, gap, turn, drift)
+    return q, gap, turn, drift
 
 
 def reached(gap: Array, turn: Array) -> NDArray[np.bool_]:

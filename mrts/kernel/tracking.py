@@ -60,40 +60,6 @@ def follow_variants(
     return q, dq, ddq, outcome
 
 
-def hold_grasps(
-    library: CellLibrary,
-    task: Any,
-    start: Array,
-    given: Mapping[str, Array],
-    rates: tuple[Array | None, Array | None] = (None, None),
-) -> tuple[Array, Array, Array, Array]:
-    """Damped Newton steps (Sugihara 2011) from T starts, at one sample each.
-
-    Args:
-        library: Of the cell.
-        task: How they hold, of `TRACKING`, with the cell's geometry.
-        start: Shape (T, m) [rad or m].
-        given: By name, with T first, or 1 where all share one: the object's `PATH` but its time, and "reference", the
-            positions that redundant arms stay near, Shape (T, m); without it they move no further than needed.
-        rates: q' and q'', Shape (T, m), which are moved in place to the nearest that keep the grasps; None for none. A
-            direction that a singular arm has lost is left as it was.
-
-    Returns:
-        Joint positions with the smallest errors met, of those without the most settled in the null space, Shape (T, m)
-        [rad or m]; errors of position [m] and of rotation [rad], and the step still to go in the null space, zero for
-        an arm that has none [rad or m], Shape (T, n) each.
-    """
-    count, m = start.shape
-    shapes = {"position": (3,), "rotation": (3, 3), "reference": (m,), "twist": (6,), "acceleration": (6,)}
-    places, strides = strided(count, shapes, {"reference": start, **given})
-    if "reference" not in given:
-        places[2] = None
-    q = np.array(start, dtype=np.float64, order="C")
-    gap, turn, drift = np.zeros((3, count, library.robots))
-    library.opened.mrts_hold(count, task, places, strides, q, *rates, gap, turn, drift)
-    return q, gap, turn, drift
-
-
 def strided(count: int, shapes: Mapping[str, tuple[int, ...]], given: Mapping[str, Array]) -> tuple[Any, list[int]]:
     """`pointers` to arrays of many variants, and how many reals apart these lie in each (0: the one for all)."""
     arrays, strides = list[Array](), list[int]()

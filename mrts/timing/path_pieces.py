@@ -305,12 +305,12 @@ def _smooth_piece(
     first, second, third = by[:, sides, None]
     return SmoothPath(
         first=first_node,
-        path=path.at(nodes).played(z[nodes] * duration, *by[:2, nodes, None], travel=travel[:, nodes]),
+        path=path.at(nodes).played(z[nodes] * duration, by[0, nodes, None], by[1, nodes, None], travel[:, nodes]),
         speed=piece.speed[nodes],
         rests=piece.rests,
         arc=s[nodes],
         arc_speed=by[0, nodes],
-        fine=path.played(z * duration, *by[:2, :, None], travel=travel),
+        fine=path.played(z * duration, by[0, :, None], by[1, :, None], travel),
         third=turns * first**3 + 3 * path.ddq[sides] * first * second + path.dq[sides] * third,
     )
 

@@ -22,7 +22,7 @@ def test_friction_points_along_the_travel_and_is_one_sided_at_rest(lift):
     t = np.linspace(0, 2 * np.pi, 9)
     dq = np.column_stack([np.sin(t / 2), np.sin(t), -np.sin(t / 2), np.zeros(9)])
     ddq = np.column_stack([np.cos(t / 2) / 2, np.cos(t), -np.cos(t / 2) / 2, np.zeros(9)])
-    before, after = travel_directions(CoordinatedMotion(lift, dq, dq, ddq))
+    before, after = travel_directions(CoordinatedMotion(lift, dq, dq, ddq, checked=False))
     assert np.array_equal(before[:, 0], np.ones(9))
     assert np.array_equal(after[:, 0], np.ones(9))
     assert np.array_equal(before[:, 1], [1, 1, 1, 1, 1, -1, -1, -1, -1])

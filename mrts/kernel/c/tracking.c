@@ -908,7 +908,7 @@ MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_foll
  * they replace. Of references and of rates there may be none; strides as above. */
 MRTS_EXPORT void mrts_hold(long long count, const mrts_tracking *task, const double *const *given, const long long *stride,
                            double *q, double *dq, double *ddq, double *gap, double *turn, double *drift) {
-    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, POSITION = 0, ROTATION, REFERENCE, TWIST, ACCELERATION, GIVEN };
+    enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, POSITION = 0, ROTATION, TWIST, ACCELERATION, REFERENCE, GIVEN };
     const unsigned char left_out[R] = {0};
     mrts_held held;
     for (long long n = 0; n < count; ++n, q += M, gap += R, turn += R, drift += R) {
