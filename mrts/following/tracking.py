@@ -35,11 +35,6 @@ from mrts.motion.object_motion import ObjectMotion
 POSE_TOLERANCE = 1e-10
 """Largest remaining pose error [m, rad]; Newton's quadratic convergence usually leaves 1e-15."""
 
-SETTLED = 1e-12
-"""Largest joint step [rad or m] at which the iteration ends: what is left is rounding."""
-
-JUMP_LIMIT = 0.5
-"""Largest correction of a predicted joint position [rad or m]; a larger one has changed the branch."""
 
 STARTING_STEPS = 300
 """Steps from the posture to the grasp at t = 0; a few dozen are usual."""
@@ -49,9 +44,6 @@ FURTHER_STEPS = 60
 
 TRACKING_STEPS = 30
 """Steps from the predicted positions at a sample; two or three are usual."""
-
-STEP_LIMIT = 0.3
-"""Largest joint step [rad or m], so that a far start does not leap over its branch."""
 
 SETTLED_PREFERENCE = 1e-8
 """Largest step left in the null space of a redundant arm [rad or m]; Newton's convergence usually leaves 1e-15."""
@@ -79,9 +71,6 @@ so that a joint whose limits coincide does not divide by 0, and at most, also wi
 
 LIMIT_PUSH = 20.0
 """What h adds at a limit [rad or m]: many times any distance to a reference, so that limits win over nearness."""
-
-FOLD = 1e-3
-"""Curvature of H on the set that holds the grasp (1 far from limits on a flat set) below which its minimum ends."""
 
 MULTI_STARTS = 400
 """Seeded random starts: each of up to 16 branches is then found many times."""
@@ -215,39 +204,24 @@ def is_redundant(cell: Cell, robot: Robot) -> bool:
     return len(robot.joints) > len(cell.wrench_components)
 
 
-def tracking_rule(cell: Cell) -> Any:
-    """How the arms of a cell hold their grasps and follow, as C reads it, to be changed for a call."""
-    whole = _tracking_rule(cell)
-    rule = tracking.FOLLOWING.from_buffer_copy(whole)
-    rule.whole = whole  # what its pointers point at
-    return rule
-
-
 @lru_cache(maxsize=KNOWN_CELLS)
-def _tracking_rule(cell: Cell) -> Any:
+def tracking_rule(cell: Cell) -> Any:
+    """How the arms of a cell hold their grasps and follow, as C reads it."""
     lower, upper = map(cell.stacked, ("position_lower", "position_upper"))
     zone = np.clip(LIMIT_ZONE * (upper - lower), NARROWEST_ZONE, WIDEST_ZONE)
-    task = filled(
-        tracking.TRACKING,
-        steps=TRACKING_STEPS,
-        settled=SETTLED,
-        longest=STEP_LIMIT,
-        reached=POSE_TOLERANCE,
-        condition=CONDITION_LIMIT,
-        jump=JUMP_LIMIT,
-        drift=SETTLED_PREFERENCE,
-        fold=FOLD,
-        components=tuple(cell.wrench_rows),
-        wish=filled(tracking.PREFERENCE, lower=lower, upper=upper, zone=zone, push=LIMIT_PUSH),
-        geometry=cell.geometry,
-    )
     return filled(
-        tracking.FOLLOWING,
-        task=task,
+        tracking.TRACKING,
         start_steps=STARTING_STEPS,
         further_steps=FURTHER_STEPS,
+        steps=TRACKING_STEPS,
+        reached=POSE_TOLERANCE,
+        condition=CONDITION_LIMIT,
+        drift=SETTLED_PREFERENCE,
         past=POSITION_TOLERANCE,
+        components=tuple(cell.wrench_rows),
+        wish=filled(tracking.PREFERENCE, lower=lower, upper=upper, zone=zone, push=LIMIT_PUSH),
         turns=cell.stacked("turns"),
+        geometry=cell.geometry,
     )
 
 
@@ -274,8 +248,7 @@ def solve_grasps(
         [rad or m]; errors of position [m] and of rotation [rad], and the step still to go in the null space, zero for
         an arm that has none [rad or m], Shape (T, n) each.
     """
-    library, task = cell.functions.library, tracking_rule(cell).task
-    task.steps, count = steps, len(start)
+    library, count = cell.functions.library, len(start)
     given = {name: getattr(motion, name)[samples] for name in PATH if name != "time"}
     shapes = {name: PATH[name] for name in given} | {"reference": start.shape[1:]}
     places, strides = tracking.strided(count, shapes, given | {"reference": start if near is None else near[None]})
@@ -283,7 +256,7 @@ def solve_grasps(
         places[-1] = None
     q = np.array(start, dtype=np.float64, order="C")
     gap, turn, drift = np.zeros((3, count, library.robots))
-    library.opened.mrts_hold(count, task, places, strides, q, *rates, gap, turn, drift)
+    library.opened.mrts_hold(count, tracking_rule(cell), steps, places, strides, q, *rates, gap, turn, drift)
     return q, gap, turn, drift
 
 
@@ -351,11 +324,9 @@ def check_regular(cell: Cell, time: Array, q: Array) -> None:
 def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVariants:
     """Follow the grasps along a motion from V positions that hold them, Shape (V, m), each branch by continuity."""
     path = {name: getattr(motion, name)[None] for name in PATH}
-    nothing = np.zeros((1, 0, start.shape[1]))
-    given = {**path, "geometry": cell.geometry[None], "posture": start, "further": nothing}
-    rule = tracking_rule(cell)
-    rule.start_steps = 0
-    found = follow_variants(cell.functions.library, rule, np.zeros(len(start), dtype=bool), given)
+    given = {**path, "geometry": cell.geometry[None], "posture": start}
+    none = np.zeros(len(start), dtype=bool)
+    found = follow_variants(cell.functions.library, tracking_rule(cell), none, given, held=True)
     time = np.broadcast_to(path["time"], (len(start), len(motion.time)))
     return TrackedVariants(cell.robots, time, *found, {})
 
@@ -378,8 +349,7 @@ def track_variants(
     given, passed = {**path, "geometry": geometry, "posture": posture}, refused.copy()
     if len(refused) > 1:  # one is searched in less time
         passed[list(_out_of_reach(cell, path, geometry, np.flatnonzero(~refused), slice(1)))] = True
-    nothing = np.zeros((1, 0, posture.shape[1]))
-    found = follow_variants(library, rule, passed, {**given, "further": nothing})
+    found = follow_variants(library, rule, passed, given)
     time = np.broadcast_to(path["time"], (len(refused), path["time"].shape[1]))
     tracked = TrackedVariants(cell.robots, time, *found, {})
     failed = (~refused & ~tracked.followed).nonzero()[0]

@@ -23,40 +23,36 @@ PATH = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "accele
 CLOSURE_SIZES = 6
 """Numbers of each arm, `MRTS_CLOSURE_SIZES` of arm_tips.c."""
 
-FOLLOWING, TRACKING, PREFERENCE = (
-    structure("tracking.c", f"mrts_{name}") for name in ("following", "tracking", "preference")
-)
+TRACKING, PREFERENCE = (structure("tracking.c", f"mrts_{name}") for name in ("tracking", "preference"))
 
 
 def follow_variants(
-    library: CellLibrary, rule: Any, refused: NDArray[np.bool_], given: Mapping[str, Array]
+    library: CellLibrary, rule: Any, refused: NDArray[np.bool_], given: Mapping[str, Array], *, held: bool = False
 ) -> tuple[Array, Array, Array, NDArray[np.void]]:
     """Start poses and joints along the path of V variants, N samples; one motion is one variant.
 
     Args:
         library: Of the cell, m joints in all.
-        rule: How they start and follow, of `FOLLOWING`; without steps to a start, the postures hold the grasps.
+        rule: How they start and follow, of `TRACKING`.
         refused: Variants that are passed over, Shape (V,).
         given: By name, with V first, or 1 where all share one: the path's `PATH`, with N before the shape of each,
             "geometry", Shape (V, 3 + 24 n + h), "posture", where the search for a start begins, Shape (V, m), and
-            "further" (the starts tried after it), Shape (V, F, m).
+            maybe "further" (the starts tried after it), Shape (V, F, m).
+        held: Whether the postures hold the grasps.
 
     Returns:
         q, q' and q'', each Shape (V, N, m) [rad or m], of an arm that fails what was found before; and how each ends
         for each arm, Shape (V, n) of `OUTCOME`.
     """
     variants, samples, m = len(refused), given["time"].shape[1], library.joints
-    shapes = {name: (samples, *shape) for name, shape in PATH.items()} | {
-        "geometry": given["geometry"].shape[-1:],
-        "posture": (m,),
-        "further": given["further"].shape[-2:],
-    }
+    shapes = {name: (samples, *shape) for name, shape in PATH.items()}
+    shapes |= {name: given[name].shape[1:] for name in ("geometry", "posture", "further") if name in given}
     arrays, strides = strided(variants, shapes, given)
-    rule.further = shapes["further"][0]
+    further = -1 if held else shapes.get("further", (0,))[0]
     q, dq, ddq = np.zeros((3, variants, samples, m))
     outcome = np.zeros((variants, library.robots), dtype=OUTCOME)
     outcome["code"][refused] = REFUSED
-    library.opened.mrts_follow(variants, samples, rule, arrays, strides, q, dq, ddq, outcome)
+    library.opened.mrts_follow(variants, samples, rule, further, arrays, strides, q, dq, ddq, outcome)
     return q, dq, ddq, outcome
 
 

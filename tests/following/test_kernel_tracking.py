@@ -15,7 +15,6 @@ from mrts.following.coordinated_motion import carried_by_each
 from mrts.following.tracking import (
     CONDITION_LIMIT,
     FURTHER_STEPS,
-    JUMP_LIMIT,
     follow_from,
     reached,
     solve_grasps,
@@ -90,7 +89,7 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
             pairs = zip(tip_rates(cell, robot, carried[index]), tip_rates(cell, robot, motion), strict=True)
             for ours, rate in pairs:
                 np.testing.assert_allclose(ours[held], rate[held], rtol=HELD, atol=HELD * (1 + np.max(np.abs(rate))))
-            assert np.max(np.abs(np.diff(q[held, joints], axis=0)), initial=0) < 3 * JUMP_LIMIT
+            assert np.max(np.abs(np.diff(q[held, joints], axis=0)), initial=0) < 3 * 0.5  # MRTS_JUMP
             if code in {FOLLOWED, OUT_OF_REACH}:
                 last = sample if code == OUT_OF_REACH else len(motion.time) - 1
                 gap = gap_left(cell, motion, last, joints, index, q[last - (code == OUT_OF_REACH)])

@@ -52,8 +52,8 @@ STRUCTURES = {
     "mrts_limits": "rows.h",
     "mrts_terms": "rows.h",
     "mrts_joint_path": "arm_tips.c",
-    "mrts_following": "tracking.c",
     "mrts_outcome": "tracking.c",
+    "mrts_tracking": "tracking.c",
     "mrts_smooth_program": "smooth_timing.c",
 }
 

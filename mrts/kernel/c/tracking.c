@@ -287,20 +287,29 @@ static void mrts_change_along(const double *geometry, const double *q, const dou
  * the Levenberg-Marquardt method, IEEE Transactions on Robotics 27, 2011), and, for arms with more joints than wrench
  * components, those that are preferred. */
 
-/* What the arms of a cell are to hold, and how, at every sample. */
+/* How the arms of a cell hold their grasps and follow. */
 typedef struct {
-    int steps;            /* most Newton steps at a sample */
-    double settled;       /* joint step at which the iteration ends [rad or m] */
-    double longest;       /* largest joint step [rad or m] */
-    double reached;       /* remaining error at which a grasp counts as held [m, rad] */
-    double condition;     /* of a Jacobian, at which an arm is singular */
-    double jump;          /* correction of a predicted joint at which an arm has lost its branch [rad or m] */
-    double drift;         /* step left to a redundant arm that is not settled [rad or m] */
-    double fold;          /* curvature at which its positions end */
-    int components[6];    /* rows of a six-component twist that this cell uses */
-    mrts_preference wish; /* of redundant arms */
-    const double *geometry;
+    int start_steps;            /* most Newton steps from the posture to the grasp at the first sample */
+    int further_steps;          /* from each of the starts that are tried where it leads to nothing */
+    int steps;                  /* at a sample */
+    double reached;             /* remaining error at which a grasp counts as held [m, rad] */
+    double condition;           /* of a Jacobian, at which an arm is singular */
+    double drift;               /* step left to a redundant arm that is not settled [rad or m] */
+    double past;                /* how far a joint may pass its limit [rad or m] */
+    int components[6];          /* rows of a six-component twist that this cell uses */
+    mrts_preference wish;       /* of redundant arms */
+    const unsigned char *turns; /* whether whole turns of a joint are the same position, (joints) */
+    const double *geometry;     /* of a variant its own */
 } mrts_tracking;
+
+/* Largest joint step at which the iteration ends: what is left is rounding; the largest that is made, so that a far start
+ * does not leap over its branch; the largest correction of a prediction: beyond it the branch is another [rad or m]. */
+#define MRTS_SETTLED 1e-12
+#define MRTS_LONGEST 0.3
+#define MRTS_JUMP 0.5
+
+/* Curvature of H on the set that holds the grasp (1 far from limits on a flat set) below which its minimum ends. */
+#define MRTS_FOLD 1e-3
 
 /* The object at one sample; the rotation by rows. */
 typedef struct {
@@ -410,7 +419,7 @@ static void mrts_newton_step(int joints, const double *J, const double *error, d
 /* Joint positions with the smallest errors met from `now` on, which is moved; of those that hold a grasp with a redundant
  * arm, those with the smallest step still to go. Without a reference redundant arms move no further than needed. Arms that
  * are left out stay. */
-static void mrts_hold_grasps(const mrts_tracking *task, const double *position, const double *rotation,
+static void mrts_hold_grasps(const mrts_tracking *task, int steps, const double *position, const double *rotation,
                              const double *reference, const unsigned char *left_out, double *now, double *best, double *gap,
                              double *turn, double *drift) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, W = MRTS_SIZE };
@@ -419,13 +428,13 @@ static void mrts_hold_grasps(const mrts_tracking *task, const double *position, 
     double *const poses[] = {tips, rotations, J_all};
     for (int robot = 0; robot < R; ++robot) gap[robot] = turn[robot] = drift[robot] = least[robot] = MRTS_INFINITY;
     for (int i = 0; i < M; ++i) best[i] = now[i];
-    for (int iteration = 0; iteration < task->steps; ++iteration) {
+    for (int iteration = 0; iteration < steps; ++iteration) {
         double largest = 0, farthest = 0;
         MRTS_KINEMATICS(at, poses);
 #ifdef MRTS_REDUNDANT
         mrts_null_space spaces[R];
         double F[W * R], fall[MRTS_MOST_JOINTS];
-        if (reference) mrts_null_spaces(&task->wish, task->fold, task->geometry, now, reference, J_all, spaces, F);
+        if (reference) mrts_null_spaces(&task->wish, MRTS_FOLD, task->geometry, now, reference, J_all, spaces, F);
 #else
         (void)reference;
 #endif
@@ -455,11 +464,11 @@ static void mrts_hold_grasps(const mrts_tracking *task, const double *position, 
                 for (int i = 0; i < joints; ++i) best[first + i] = q[i];
             }
             for (int i = 0; i < joints; ++i) longest = fmax(longest, fabs(step[i]));
-            const double share = longest > task->longest ? task->longest / longest : 1;
+            const double share = longest > MRTS_LONGEST ? MRTS_LONGEST / longest : 1;
             for (int i = 0; i < joints; ++i) q[i] += share * step[i];
             largest = fmax(largest, longest);
         }
-        if (largest <= task->settled && farthest <= task->reached) break; /* farther away, rounding leaves a saddle */
+        if (largest <= MRTS_SETTLED && farthest <= task->reached) break; /* farther away, rounding leaves a saddle */
     }
 }
 
@@ -492,7 +501,7 @@ static void mrts_joint_rates(const mrts_tracking *task, const mrts_path *at, con
     mrts_null_space spaces[R];
     double F[W * R], change[M];
     const double nothing[MRTS_MOST_JOINTS] = {0};
-    if (reference) mrts_null_spaces(&task->wish, task->fold, task->geometry, q, reference, J_all, spaces, F);
+    if (reference) mrts_null_spaces(&task->wish, MRTS_FOLD, task->geometry, q, reference, J_all, spaces, F);
 #else
     (void)reference;
 #endif
@@ -593,7 +602,7 @@ static int mrts_quick_sample(const mrts_tracking *task, const mrts_path *at, con
                 if (!(fabs(step[i]) <= largest)) largest = fabs(step[i]);
             }
         }
-        if (!(largest <= task->longest)) return 0;
+        if (!(largest <= MRTS_LONGEST)) return 0;
         if (largest > MRTS_FINE || !(furthest <= task->reached)) continue;
         for (int robot = 0; robot < R; ++robot) {
             double velocity[W];
@@ -674,24 +683,16 @@ static void mrts_track_sample(const mrts_tracking *task, const double *time, con
         mrts_predict(q - M, dq - M, ddq - M, h, *even, left_out, taylor, q);
     }
 #ifndef MRTS_UNEVEN
-    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held) && mrts_note_jumps(q, taylor, held) <= task->jump) {
+    if (mrts_quick_sample(task, &at, left_out, q, dq, ddq, held) && mrts_note_jumps(q, taylor, held) <= MRTS_JUMP) {
         return;
     }
 #endif
     for (int i = 0; i < M; ++i) now[i] = taylor[i];
-    mrts_hold_grasps(task, at.position, at.rotation, reference, left_out, now, q, held->gap, held->turn, held->drift);
+    mrts_hold_grasps(task, task->steps, at.position, at.rotation, reference, left_out, now, q, held->gap, held->turn,
+                     held->drift);
     mrts_joint_rates(task, &at, reference, left_out, q, dq, ddq, held);
     mrts_note_jumps(q, taylor, held);
 }
-
-typedef struct {
-    mrts_tracking task;         /* of the steps at a sample; the geometry is each variant's */
-    int start_steps;            /* most Newton steps from the posture to the grasp at the first sample; 0: it holds it */
-    int further;                /* starts that are tried where the posture leads to nothing */
-    int further_steps;          /* most steps from each of them */
-    double past;                /* how far a joint may pass its limit [rad or m] */
-    const unsigned char *turns; /* whether whole turns of a joint are the same position, (joints) */
-} mrts_following;
 
 /* How following ends for an arm. */
 enum {
@@ -727,23 +728,23 @@ static double mrts_turns_inside(double low, double high, double lower, double up
 
 /* Moves the paths of an arm's joints, some samples long, inside their limits by whole turns, where they may turn and that
  * does it; tells of the first sample at which one is still past a limit. */
-static void mrts_past_limits(const mrts_following *rule, long long samples, int turns, int robot, double *q,
+static void mrts_past_limits(const mrts_tracking *task, long long samples, int turns, int robot, double *q,
                              mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS };
     long long earliest = samples;
     for (int i = MRTS_FIRST(robot); i < MRTS_FIRST(robot + 1) && samples > 0; ++i) {
-        const double lower = rule->task.wish.lower[i], upper = rule->task.wish.upper[i];
+        const double lower = task->wish.lower[i], upper = task->wish.upper[i];
         double low = MRTS_INFINITY, high = -MRTS_INFINITY, moved = 0;
         for (long long n = 0; n < samples; ++n) {
             low = fmin(low, q[n * M + i]);
             high = fmax(high, q[n * M + i]);
         }
-        if (turns && rule->turns[i]) moved = mrts_turns_inside(low, high, lower, upper, rule->past);
+        if (turns && task->turns[i]) moved = mrts_turns_inside(low, high, lower, upper, task->past);
         for (long long n = 0; moved != 0 && n < samples; ++n) q[n * M + i] += moved;
-        if (fmax(lower - low - moved, high + moved - upper) <= rule->past) continue;
+        if (fmax(lower - low - moved, high + moved - upper) <= task->past) continue;
         for (long long n = 0; n < earliest; ++n) {
             const double at = q[n * M + i];
-            if (!(fmax(lower - at, at - upper) > rule->past)) continue;
+            if (!(fmax(lower - at, at - upper) > task->past)) continue;
             *outcome = (mrts_outcome){MRTS_PAST_LIMIT, (int)n, i - MRTS_FIRST(robot), outcome->start, {at, 0}};
             earliest = n;
         }
@@ -758,7 +759,7 @@ typedef struct {
     mrts_outcome past; /* of the first that are past a limit */
 } mrts_start;
 
-static void mrts_take_start(const mrts_following *rule, int robot, const double *posture, const double *found, double gap,
+static void mrts_take_start(const mrts_tracking *task, int robot, const double *posture, const double *found, double gap,
                             double turn, int attempt, mrts_start *start) {
     const int first = MRTS_FIRST(robot), end = MRTS_FIRST(robot + 1);
     double q[MRTS_JOINTS], distance = 0;
@@ -767,9 +768,9 @@ static void mrts_take_start(const mrts_following *rule, int robot, const double 
         start->gap = gap;
         start->turn = turn;
     }
-    if (!(fmax(gap, turn) <= rule->task.reached)) return;
+    if (!(fmax(gap, turn) <= task->reached)) return;
     for (int i = first; i < end; ++i) q[i] = found[i];
-    mrts_past_limits(rule, 1, 1, robot, q, &past);
+    mrts_past_limits(task, 1, 1, robot, q, &past);
     if (past.code != MRTS_FOLLOWED) {
         if (start->past.code == MRTS_FOLLOWED) start->past = past;
         return;
@@ -777,9 +778,9 @@ static void mrts_take_start(const mrts_following *rule, int robot, const double 
     for (int i = first; i < end; ++i) {
         const double away = found[i] - posture[i] + MRTS_TURN / 2;
         q[i] = found[i];
-        if (attempt && rule->turns[i]) q[i] = posture[i] + (away - MRTS_TURN * floor(away / MRTS_TURN)) - MRTS_TURN / 2;
+        if (attempt && task->turns[i]) q[i] = posture[i] + (away - MRTS_TURN * floor(away / MRTS_TURN)) - MRTS_TURN / 2;
     }
-    if (attempt) mrts_past_limits(rule, 1, 1, robot, q, &past);
+    if (attempt) mrts_past_limits(task, 1, 1, robot, q, &past);
     for (int i = first; i < end && attempt; ++i) distance = fmax(distance, fabs(q[i] - posture[i]));
     if (distance >= start->distance) return;
     start->distance = distance;
@@ -788,27 +789,26 @@ static void mrts_take_start(const mrts_following *rule, int robot, const double 
 }
 
 /* Joints that hold the grasps at the first sample, near the posture; 0 where an arm has none. The first search begins at
- * the posture; `further` are the starts that follow where that leads to nothing, (further, joints). */
-static int mrts_find_start(const mrts_following *rule, const mrts_path *at, const double *posture, const double *further,
-                           double *q, mrts_outcome *outcome) {
+ * the posture; `further` are the starts that follow where that leads to nothing, (more, joints). */
+static int mrts_find_start(const mrts_tracking *task, const mrts_path *at, const double *posture, int more,
+                           const double *further, double *q, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double now[M], reference[M], gap[R], turn[R], drift[R], found[M];
     unsigned char done[R] = {0};
-    mrts_tracking task = rule->task;
     mrts_start start[R];
     int lost = R;
     for (int robot = 0; robot < R; ++robot) {
         start[robot].distance = start[robot].gap = start[robot].turn = MRTS_INFINITY;
         start[robot].past.code = MRTS_FOLLOWED;
     }
-    for (int i = 0; i < M; ++i) reference[i] = fmin(fmax(posture[i], task.wish.lower[i]), task.wish.upper[i]);
-    for (int attempt = 0; attempt <= rule->further && lost; ++attempt) {
+    for (int i = 0; i < M; ++i) reference[i] = fmin(fmax(posture[i], task->wish.lower[i]), task->wish.upper[i]);
+    for (int attempt = 0; attempt <= more && lost; ++attempt) {
         for (int i = 0; i < M; ++i) now[i] = attempt ? further[(attempt - 1) * M + i] : posture[i];
-        task.steps = attempt ? rule->further_steps : rule->start_steps;
-        mrts_hold_grasps(&task, at->position, at->rotation, reference, done, now, found, gap, turn, drift);
+        const int steps = attempt ? task->further_steps : task->start_steps;
+        mrts_hold_grasps(task, steps, at->position, at->rotation, reference, done, now, found, gap, turn, drift);
         for (int robot = 0; robot < R; ++robot) {
             if (done[robot]) continue;
-            mrts_take_start(rule, robot, posture, found, gap[robot], turn[robot], attempt, start + robot);
+            mrts_take_start(task, robot, posture, found, gap[robot], turn[robot], attempt, start + robot);
             done[robot] = start[robot].distance == 0;
             lost -= done[robot];
         }
@@ -839,7 +839,7 @@ static void mrts_note_failure(const mrts_tracking *task, const mrts_held *held, 
         found.amount[1] = turn;
     } else if (!(held->drift[robot] <= task->drift)) {
         found.code = MRTS_FOLDED;
-    } else if (jump > task->jump) {
+    } else if (jump > MRTS_JUMP) {
         found.code = MRTS_LOST;
         found.amount[0] = jump;
     } else if (!(condition < task->condition)) {
@@ -853,7 +853,7 @@ static void mrts_note_failure(const mrts_tracking *task, const mrts_held *held, 
 
 /* Follows one variant from its start: q, q', q'' of all samples, and how that ends for each arm. One that fails is not
  * looked at again. */
-static void mrts_follow_one(const mrts_following *rule, long long samples, const double *time, const mrts_path *path,
+static void mrts_follow_one(const mrts_tracking *task, long long samples, const double *time, const mrts_path *path,
                             double *q, double *dq, double *ddq, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double reference[M];
@@ -864,41 +864,43 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
     for (int i = 0; i < M; ++i) reference[i] = q[i];
     for (long long n = 0; n < samples && left; ++n) {
         const long long at = n * M;
-        mrts_track_sample(&rule->task, time, path, n, reference, failed, &even, q + at, dq + at, ddq + at, &held);
+        mrts_track_sample(task, time, path, n, reference, failed, &even, q + at, dq + at, ddq + at, &held);
         for (int robot = 0; robot < R; ++robot) {
             if (failed[robot]) continue;
-            mrts_note_failure(&rule->task, &held, robot, (int)n, outcome + robot);
+            mrts_note_failure(task, &held, robot, (int)n, outcome + robot);
             failed[robot] = outcome[robot].code != MRTS_FOLLOWED;
             left -= failed[robot];
             if (failed[robot] && MRTS_FIRST(robot + 1) - MRTS_FIRST(robot) > MRTS_SIZE) {
                 /* between its limits a redundant arm fails soon after it passed one, which is then the reason */
-                mrts_past_limits(rule, n, 0, robot, q, outcome + robot);
+                mrts_past_limits(task, n, 0, robot, q, outcome + robot);
                 if (outcome[robot].code == MRTS_PAST_LIMIT) outcome[robot].code = MRTS_LEFT_LIMITS;
             }
         }
     }
     for (int robot = 0; robot < R; ++robot) {
-        if (!failed[robot]) mrts_past_limits(rule, samples, 1, robot, q, outcome + robot);
+        if (!failed[robot]) mrts_past_limits(task, samples, 1, robot, q, outcome + robot);
     }
 }
 
 /* Follows variants 0 .. count - 1, each of the same number of samples. Arrays are of all variants one after the other;
  * a stride, in reals from one variant to the next, is 0 where they share one. Outcomes are of each arm of each variant;
- * variants of which the first has MRTS_REFUSED are passed over. */
-MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_following *rule, const double *const *given,
-                             const long long *stride, double *q, double *dq, double *ddq, mrts_outcome *outcome) {
+ * variants of which the first has MRTS_REFUSED are passed over. `further` starts are tried after the postures; -1 where these
+ * hold the grasps. */
+MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_tracking *task, int further,
+                             const double *const *given, const long long *stride, double *q, double *dq, double *ddq,
+                             mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     enum { TIME, POSITION, ROTATION, TWIST, ACCELERATION, GEOMETRY, POSTURE, FURTHER, GIVEN };
-    mrts_following here = *rule;
+    mrts_tracking here = *task;
     for (long long v = 0; v < count; ++v, outcome += R) {
-        const double *of[GIVEN];
+        const double *of[GIVEN] = {0};
         const long long first = v * samples * M;
         if (outcome->code == MRTS_REFUSED) continue;
-        for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
+        for (int i = 0; i < (further > 0 ? GIVEN : FURTHER); ++i) of[i] = given[i] + v * stride[i];
         const mrts_path path = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
-        here.task.geometry = of[GEOMETRY];
+        here.geometry = of[GEOMETRY];
         for (int i = 0; i < M; ++i) q[first + i] = of[POSTURE][i];
-        if (rule->start_steps == 0 || mrts_find_start(&here, &path, of[POSTURE], of[FURTHER], q + first, outcome)) {
+        if (further < 0 || mrts_find_start(&here, &path, of[POSTURE], further, of[FURTHER], q + first, outcome)) {
             mrts_follow_one(&here, samples, of[TIME], &path, q + first, dq + first, ddq + first, outcome);
         }
     }
@@ -906,8 +908,9 @@ MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_foll
 
 /* Joints that hold the grasps at one sample each, (count, joints): from q on, and the rates nearest to those given, which
  * they replace. Of references and of rates there may be none; strides as above. */
-MRTS_EXPORT void mrts_hold(long long count, const mrts_tracking *task, const double *const *given, const long long *stride,
-                           double *q, double *dq, double *ddq, double *gap, double *turn, double *drift) {
+MRTS_EXPORT void mrts_hold(long long count, const mrts_tracking *task, int steps, const double *const *given,
+                           const long long *stride, double *q, double *dq, double *ddq, double *gap, double *turn,
+                           double *drift) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS, POSITION = 0, ROTATION, TWIST, ACCELERATION, REFERENCE, GIVEN };
     const unsigned char left_out[R] = {0};
     mrts_held held;
@@ -917,7 +920,7 @@ MRTS_EXPORT void mrts_hold(long long count, const mrts_tracking *task, const dou
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] ? given[i] + n * stride[i] : given[i];
         const mrts_path at = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
         for (int i = 0; i < M; ++i) now[i] = q[i];
-        mrts_hold_grasps(task, at.position, at.rotation, of[REFERENCE], left_out, now, q, gap, turn, drift);
+        mrts_hold_grasps(task, steps, at.position, at.rotation, of[REFERENCE], left_out, now, q, gap, turn, drift);
         if (dq) mrts_joint_rates(task, &at, 0, left_out, q, dq + n * M, ddq + n * M, &held);
     }
 }
