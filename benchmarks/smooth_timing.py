@@ -20,9 +20,8 @@ from cases import shipped
 from interleaved import median_times, on_one_processor, show
 
 import mrts
-from mrts.program.path_solver import KernelSolver
+from mrts.program.path_solver import KernelSolver, last_step, successive_steps
 from mrts.program.smooth_program import Goal
-from mrts.program.successive_steps import last_step, successive_steps
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "cases"))
 import copp_timing

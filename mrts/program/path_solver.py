@@ -1,18 +1,51 @@
 # SPDX-License-Identifier: MIT
-"""Our own interior point for the programs of smooth timing; see mrts/kernel/c/smooth_timing.c."""
+"""The best profile within limits of rates, which are not convex: convex programs one after the other, each inside.
+
+They are solved by our own interior point; see mrts/kernel/c/smooth_timing.c.
+"""
 
 import ctypes
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.kernel.binding import INFINITY, filled, interruptible, structure
+from mrts.base.errors import Progress
+from mrts.kernel.binding import INFINITY, interruptible
 from mrts.kernel.c_text import SMOOTH, SMOOTH_LEVEL, one_text
 from mrts.kernel.compiler import compiled_library
-from mrts.program.smooth_program import LEAST_EFFORT, Goal, SmoothProfile, SmoothProgram
+from mrts.program.smooth_program import (
+    LEAST_EFFORT,
+    PROGRAM,
+    Goal,
+    SmoothProfile,
+    SmoothProgram,
+    of_shares,
+    whole_sides,
+)
+
+CONVERGED = 1e-4
+"""Share of the cost by which a step must lower it, or it was the last."""
+
+EVEN = 1e-3
+"""Share of the cost that the jumps of u count for where they are largest; it costs 1e-5 of the duration."""
+
+MOST_STEPS = 60
+"""Steps after which the profile is taken as it is: every one keeps all limits."""
+
+SLOWER = 4.0
+"""Each start that is not admissible is followed by one with x so many times less."""
+
+STARTS = 3
+"""Starts of one constant speed, from each of which limits of rates are relaxed less and less."""
+
+RELAXED_STEPS = 30
+"""Steps by which relaxed limits of rates must be kept."""
+
+STALLED = 1e-3
+"""Share by which such a step must lower what rates pass their limits by, or no profile is found."""
 
 DURATIONS = 100.0
 """Weight of the share by which limits of rates are passed, against the duration of the profile that is started from."""
@@ -32,9 +65,9 @@ OF_PATH = 2
 FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of smooth_timing.c."""
 
-PROGRAM = structure("smooth_timing.c", "mrts_smooth_program")
-AS_THEY_ARE = ("step", "square", "rate", "offset", "q1", "q2", "q3", "jerk")
-"""Attributes of a program that C takes as they are."""
+SHARE_MARGIN = 1e-5
+"""Share of a limit beyond the least that torques within rates may use: the least shares of a whole motion are met by
+hardly more than one distribution, in which an interior point finds no inside."""
 
 
 class KernelSolver:
@@ -44,12 +77,13 @@ class KernelSolver:
     nodes.
 
     Attributes:
+        told: Told how many of how many profiles are found.
         iterations: How many the last program took.
         steps: Profiles that were found.
     """
 
-    def __init__(self) -> None:
-        self._rows: tuple[SmoothProgram, Any] | None = None
+    def __init__(self, told: Progress = lambda _done, _total: None) -> None:
+        self.told = told
         self._iterates: dict[tuple[Any, ...], tuple[Array, Array]] = {}  # of a kind: σ at the nodes, what C keeps
         self.iterations = self.steps = 0
 
@@ -61,7 +95,9 @@ class KernelSolver:
         tangents move with the iterates, steps from the answer would hardly better it. None where none is found.
         """
         found = self._near(program, around, goal, moving=moving)
-        self.steps += found is not None
+        if found is not None:
+            self.steps += 1
+            self.told(self.steps, self.steps + 1)
         return found
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
@@ -71,6 +107,26 @@ class KernelSolver:
             return np.zeros((len(x), 0))
         found = self._near(program, x, LEAST_EFFORT, u)
         return None if found is None else found.free
+
+    def reserved_torques(self, program: SmoothProgram, x: Array, u: Array, shares: Array | None = None) -> Array | None:
+        """F of the least effort at a given timing among those with the least ∫ s² dt of `of_shares`, Shape (n, f).
+
+        Where no rates join the nodes these are the torques of `reserved`; where no share counts, those of the least
+        effort alone. None where none keep the limits and the rates. `shares` are s of the least ∫ s² dt where it is
+        known.
+        """
+        if program.free.shape[2] == 0 or not np.any(program.sizes):
+            return self.torques(program, x, u)
+        found = self.torques(of_shares(program), x, u) if shares is None else None
+        if found is not None:
+            shares = found[:, -1]
+        if shares is None:
+            return None
+        low, high = (1 - np.minimum(shares[:, None] + SHARE_MARGIN, 1.0)) * whole_sides(program.free, program.sizes)
+        least = self.torques(replace(program, lower=program.lower + low, upper=program.upper - high), x, u)
+        if least is None and found is None:
+            return self.reserved_torques(program, x, u)
+        return found[:, :-1] if least is None and found is not None else least
 
     def _near(
         self, program: SmoothProgram, around: Array, goal: Goal, u: Array | None = None, *, moving: bool = False
@@ -144,10 +200,8 @@ class KernelSolver:
         Returns:
             Whether there is an answer, by what share rates are passed in it, and the iterate that it leaves.
         """
-        if self._rows is None or self._rows[0] is not program:
-            self._rows = program, _of_program(program)
-        given, around = PROGRAM.from_buffer_copy(self._rows[1]), found.x.copy()
-        given.kept = self._rows, around  # by a call that is left behind
+        given, around = PROGRAM.from_buffer_copy(program.in_c), found.x.copy()
+        given.kept = program.in_c, around  # by a call that is left behind
         given.around, given.again, given.timed = around.ctypes.data, kept is not None, timed
         given.moving, given.relaxed = moving, relaxed
         given.time, given.effort, given.uneven = goal.time, goal.effort, goal.uneven
@@ -193,39 +247,134 @@ def _at_nodes(before: Array, kept: Array, sigma: Array, free: int) -> Array | No
     return np.concatenate([slots.ravel(), F.T.ravel(), np.interp(at, was, control), unit])
 
 
-def _of_program(program: SmoothProgram) -> Any:
-    """The `mrts_smooth_program` of a program, without what is asked of it; what is absent is null."""
-    n, r, f = program.free.shape
-    used = np.any(program.free, axis=0)  # of a row, what lies from its first column that is not 0 to its last
-    end = np.max(used * np.arange(1, f + 1), axis=1, initial=0)
-    first = np.minimum(np.min(np.where(used, np.arange(f), f), axis=1, initial=f), end)
-    taken = np.flatnonzero((np.arange(f) >= first[:, None]) & (np.arange(f) < end[:, None]))
-    limited, count, cones = np.flatnonzero(np.isfinite(program.change)), end - first, program.gram.shape[1]
-    sizes = {"nodes": n, "rows": r, "free": f, "width": len(taken), "cones": cones, "changes": len(limited)}
-    return filled(
-        PROGRAM,
-        **{name: getattr(program, name) for name in AS_THEY_ARE},
-        **sizes,
-        jerks=len(program.jerk),
-        first=first,
-        count=count,
-        place=np.cumsum(count) - count,
-        limited=limited,
-        entry=program.free.reshape(n, r * f)[:, taken],
-        lower=np.maximum(program.lower, -INFINITY),
-        upper=np.minimum(program.upper, INFINITY),
-        gram=np.broadcast_to(program.gram, (n, cones, 3, 3)),
-        bound=np.minimum(np.broadcast_to(program.bound, (n, cones, 3)), INFINITY),
-        root=program.root if np.any(program.root) else None,
-        weight=program.weight if np.any(program.weight) else None,
-        change=program.change[limited],
-        given_start=program.ends[0] is not None,
-        given_end=program.ends[1] is not None,
-        held_start=program.end_free[0] is not None,
-        held_end=program.end_free[1] is not None,
-    )
-
-
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
     return compiled_library("mrts_smooth", SMOOTH_LEVEL + one_text((SMOOTH,)), (SMOOTH,))
+
+
+@dataclass(frozen=True)
+class StepsTaken:
+    """What the iteration found.
+
+    Attributes:
+        profile: The last profile.
+        best: The last that is the best one, before any room was given: what binds there limits the speed.
+        gain: Share of the cost by which the last step lowered it, 0 where it did not, or by which the only one differs
+            from what was spent before; None where no solver took it.
+        shares: The largest share of any limit that the profile uses at each node, where room was made, Shape (n,).
+    """
+
+    profile: SmoothProfile
+    best: SmoothProfile
+    gain: float | None
+    shares: Array | None = None
+
+
+class NoProfileError(Exception):
+    """No profile was found within the limits of rates, or none within the longest duration.
+
+    Attributes:
+        share: By how much rates pass their limits in the nearest one, as a share of them; infinity if none keeps the
+            other limits.
+        duration: Duration of the fastest profile that was found, where it is too long [s].
+    """
+
+    def __init__(self, share: float = np.inf, duration: float | None = None) -> None:
+        super().__init__()
+        self.share, self.duration = share, duration
+
+
+def successive_steps(
+    program: SmoothProgram,
+    likely: Array,
+    goal: Goal,
+    solver: KernelSolver,
+    before: float = np.inf,
+) -> StepsTaken:
+    """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
+
+    In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
+    which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
+    Within a longest duration it starts from a profile that is fast enough. A first profile that costs what the best one
+    cost `before`, with fewer nodes, is the best one: its tangents moved with it.
+
+    Raises:
+        NoProfileError: If none is found.
+    """
+    found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
+    if goal.longest is not None:
+        fast = _descent(program, found, Goal(), solver, enough=goal.longest)
+        duration = program.duration(fast.profile.x)
+        if duration > goal.longest:
+            raise NoProfileError(duration=duration)
+        found = solver.step(program, fast.profile.x, goal) or fast.profile
+    return _descent(program, found, goal, solver, before=before)
+
+
+def last_step(program: SmoothProgram, best: StepsTaken, goal: Goal, solver: KernelSolver) -> StepsTaken:
+    """What is played: by a step from the best profile to one with room, or to one whose u does not jump."""
+    if goal.room and program.free.shape[2]:  # a second step would lower ∫ s² dt by less than a hundredth
+        longest = (1 + goal.room) * program.duration(best.profile.x)
+        spacious = solver.step(of_shares(program), best.profile.x, Goal(0.0, 1.0, longest))
+        if spacious is not None:
+            free, shares = spacious.free[:, :-1], spacious.free[:, -1]  # the last is s
+            return replace(best, profile=replace(spacious, free=free), shares=shares)
+    uneven = EVEN * cost(program, best.profile, goal) / max(_jumps(program, best.profile), np.finfo(float).tiny)
+    even = _descent(program, best.profile, replace(goal, uneven=uneven), solver)
+    return replace(even, gain=best.gain)
+
+
+def _descent(
+    program: SmoothProgram,
+    found: SmoothProfile,
+    goal: Goal,
+    solver: KernelSolver,
+    enough: float = 0.0,
+    before: float = np.inf,
+) -> StepsTaken:
+    """Steps from an admissible profile until one gains little, or its cost is low enough."""
+    spent, steps = cost(program, found, goal), 1
+    gain = abs(1 - spent / before)
+    while steps < MOST_STEPS and spent > enough and gain >= CONVERGED:
+        better = solver.step(program, found.x, goal)
+        if better is None:
+            return StepsTaken(found, found, None)
+        after = cost(program, better, goal)
+        gain = max(1 - after / spent, 0.0)
+        if gain > 0:
+            found, spent, steps = better, after, steps + 1
+    return StepsTaken(found, found, gain)
+
+
+def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile:
+    """Any profile within all limits, a fast one: where steps lead, if it can be foreseen, or by relaxed rates."""
+    found = solver.step(program, likely, goal, moving=True)
+    if found is not None:
+        return found
+    least = np.inf
+    for slower in range(STARTS):
+        x, before = likely / SLOWER**slower, np.inf
+        for _ in range(RELAXED_STEPS):
+            nearest = solver.nearest(program, x)
+            if nearest is None:
+                break
+            found, share = nearest
+            if program.keeps(found, KEPT):
+                return found
+            least = min(least, share)
+            if not np.all(found.x > 0) or share > before * (1 - STALLED):
+                break
+            x, before = found.x, share
+    raise NoProfileError(least)
+
+
+def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
+    """What a profile costs: the weighted sum of its duration, its effort and its jumps of u."""
+    spent = goal.time * program.duration(profile.x)
+    if goal.effort > 0:
+        spent += goal.effort * program.effort(profile)
+    return spent + goal.uneven * _jumps(program, profile)
+
+
+def _jumps(program: SmoothProgram, profile: SmoothProfile) -> float:
+    return float(np.sum(np.diff(profile.u) ** 2 / program.step))

@@ -4,11 +4,10 @@
 The quadratic program (31)-(34) asks for the least torques within the limits, so it puts wrenches at theirs even where
 something else binds. Here the largest share of any limit that is used is made as small as can be, sample by sample, by
 a linear program over the free wrenches and that share; the least torques are chosen among what is left. Where rates
-join the samples, it is one quadratic program over the shares of all of them.
+join the samples, it is one quadratic program over the shares of all of them, `of_shares`.
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 from operator import attrgetter
 from typing import Any
 
@@ -20,26 +19,12 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
-from mrts.limits.rows import ActiveRow, LimitRows, RowName, counted_sizes
+from mrts.limits.rows import ActiveRow, LimitRows, counted_sizes
 from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import MotionRows
-from mrts.program.path_solver import KernelSolver
-from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem, moved_by
+from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import BINDING_TOLERANCE
-from mrts.program.smooth_program import SmoothProgram
-
-LEAST_SHARE = 0.01
-"""Share of a limit that torques may always use: they are not asked to keep more than 99 % of it free."""
-
-SHARE_MARGIN = 1e-5
-"""Share of a limit beyond the least that torques within rates may use: the least shares of a whole motion are met by
-hardly more than one distribution, in which an interior point finds no inside."""
-
-SHARE = RowName("share of the limits")
-"""Name of the row of s."""
-
-OF_SPEED = ("square", "rate", "root", "offset")
-"""What of the rows of a path does not depend on the distribution."""
+from mrts.program.smooth_program import LEAST_SHARE, whole_sides
 
 ROWS_NAMED = 2
 """Most rows that the text names."""
@@ -76,72 +61,6 @@ def given_sizes(cell: Cell, motion: CoordinatedMotion) -> Array:
     rows = limit_rows(cell.with_reserve(0.0), motion)
     rows = rows.only(np.array([not name.sides for name in rows.names]))
     return counted_sizes(rows.lower, rows.upper, rows.units)
-
-
-def whole_sides(free: Array, sizes: Array) -> Array:
-    """By how much limits move inward of which nothing may be used, Shape (2, N, r); 0 for rows no distribution moves.
-
-    `free` are the columns of what a distribution chooses, Shape (N, r, f), `sizes` from `counted_sizes`.
-    """
-    return sizes[:, None] * moved_by(free)
-
-
-def of_shares(program: SmoothProgram) -> SmoothProgram:
-    """The program with the largest share s of any limit at each node as the last free unknown, and ∫ s² dt as effort.
-
-    Each node has an s of its own, so that a place that needs all of a limit loosens no other; the square lets a tall
-    one count more than a wide one. Each row stands three times: with the limits that do not count and its rate, and
-    with each side that counts, of which it may use s. The last row is s itself.
-    """
-    n, r, _ = program.free.shape
-    low, high = whole_sides(program.free, program.sizes)
-    least, most, any_rate = np.full((n, r), -np.inf), np.full((n, r), np.inf), np.full(r, np.inf)
-    parts = (
-        (np.where(low > 0, least, program.lower), np.where(high > 0, most, program.upper), 0 * low, program.change),
-        (np.where(low > 0, program.lower + low, least), most, low, any_rate),
-        (least, np.where(high > 0, program.upper - high, most), -high, any_rate),
-        (np.full((n, 1), LEAST_SHARE), np.ones((n, 1)), np.ones((n, 1)), any_rate[:1]),
-    )
-    lower, upper, share, change = map(partial(np.concatenate, axis=-1), zip(*parts, strict=True))
-    given: dict[str, Any] = {name: np.pad(np.tile(getattr(program, name), 3), ((0, 0), (0, 1))) for name in OF_SPEED}
-    free = np.pad(np.tile(program.free, (1, 3, 1)), ((0, 0), (0, 1), (0, 1)))
-    free[:, :, -1] = share
-    start, end = (None if held is None else np.append(held, 1.0) for held in program.end_free)
-    whole = replace(
-        program,
-        **given,
-        free=free,
-        lower=lower,
-        upper=upper,
-        change=change,
-        weight=np.append(np.zeros(3 * r), 1.0),
-        sizes=np.zeros((2, len(change))),
-        names=(*program.names[:r] * 3, SHARE, *program.names[r:]),
-        end_free=(start, end),
-    )
-    return whole.only(np.isfinite(change) | np.any(np.isfinite(lower) | np.isfinite(upper), axis=0))
-
-
-def reserved_torques(
-    program: SmoothProgram, x: Array, u: Array, solver: KernelSolver, shares: Array | None = None
-) -> Array | None:
-    """F of the least effort at a given timing among those with the least ∫ s² dt of `of_shares`, Shape (n, f).
-
-    Where no rates join the nodes these are the torques of `reserved`; where no share counts, those of the least effort
-    alone. None where none keep the limits and the rates. `shares` are s of the least ∫ s² dt where it is known.
-    """
-    if program.free.shape[2] == 0 or not np.any(program.sizes):
-        return solver.torques(program, x, u)
-    found = None if shares is not None else solver.torques(of_shares(program), x, u)
-    if found is not None:
-        shares = found[:, -1]
-    if shares is None:
-        return None
-    low, high = (1 - np.minimum(shares[:, None] + SHARE_MARGIN, 1.0)) * whole_sides(program.free, program.sizes)
-    least = solver.torques(replace(program, lower=program.lower + low, upper=program.upper - high), x, u)
-    if least is None and found is None:
-        return reserved_torques(program, x, u, solver)
-    return least if found is None or least is not None else found[:, :-1]
 
 
 def without_unmoved(problem: SampleProblem) -> SampleProblem:

@@ -2,7 +2,8 @@
 """A path with rows whose values and rates of change are limited: what is solved for a smooth timing."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from itertools import compress
 from operator import itemgetter
 from typing import Any, Self
@@ -13,13 +14,19 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, with_part
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.binding import filled, structure
 from mrts.limits.rows import RowName, circle, joint_rows, polygons, wrench_rows
 from mrts.program.motion_rows import motor_terms
 from mrts.program.rate_limits import RateLimits
-from mrts.program.sample_problem import SampleProblem
+from mrts.program.sample_problem import SampleProblem, moved_by
 
 OF_ROWS = ("square", "rate", "root", "offset", "lower", "upper", "change", "weight", "sizes")
 """Attributes whose last axis are the rows."""
+
+
+PROGRAM = structure("smooth_timing.c", "mrts_smooth_program")
+AS_THEY_ARE = ("step", "square", "rate", "offset", "lower", "upper", "gram", "bound", "q1", "q2", "q3", "jerk")
+"""Attributes that C takes as they are."""
 
 
 def segment_times(step: Array, x: Array, rise: Array | None = None) -> Array:
@@ -106,8 +113,8 @@ class SmoothProgram:
     q2: Array
     q3: Array
     jerk: Array
-    gram: Array = field(default_factory=lambda: np.zeros((1, 0, 3, 3)))
-    bound: Array = field(default_factory=lambda: np.zeros((1, 0, 3)))
+    gram: Array
+    bound: Array
     names: tuple[RowName, ...] = ()
     jerk_names: tuple[RowName, ...] = ()
     ends: tuple[float | None, float | None] = (None, None)
@@ -117,6 +124,34 @@ class SmoothProgram:
     def spacing(self) -> Array:
         """ω of the trapezoidal rule over the nodes, Shape (n,)."""
         return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
+
+    @cached_property
+    def in_c(self) -> Any:
+        """The `mrts_smooth_program` without what is asked of it; what is absent is null."""
+        r, f = self.free.shape[1:]
+        used = np.any(self.free, axis=0)  # of a row, what lies from its first column that is not 0 to its last
+        end = np.max(used * np.arange(1, f + 1), axis=1, initial=0)
+        first = np.minimum(np.min(np.where(used, np.arange(f), f), axis=1, initial=f), end)
+        limited, cones = np.flatnonzero(np.isfinite(self.change)), self.gram.shape[1]
+        sizes = {"nodes": len(self.free), "rows": r, "free": f, "width": r * f, "cones": cones, "changes": len(limited)}
+        return filled(
+            PROGRAM,
+            **{name: getattr(self, name) for name in AS_THEY_ARE},
+            **sizes,
+            jerks=len(self.jerk),
+            first=first,
+            count=end - first,
+            place=np.arange(r) * f + first,
+            limited=limited,
+            entry=self.free,
+            root=self.root if np.any(self.root) else None,
+            weight=self.weight if np.any(self.weight) else None,
+            change=self.change[limited],
+            given_start=self.ends[0] is not None,
+            given_end=self.ends[1] is not None,
+            held_start=self.end_free[0] is not None,
+            held_end=self.end_free[1] is not None,
+        )
 
     def narrowed(self, share: float) -> Self:
         """The same program with limits further in by a share, at most a quarter of what is between."""
@@ -177,7 +212,7 @@ class SmoothProgram:
         """
         x, u = profile.x, profile.u
         values, z = self.values(x, u, profile.free), np.column_stack([u, x, np.ones(len(x))])
-        square = np.einsum("ni,ncij,nj->nc", z, np.broadcast_to(self.gram, (len(x), *self.gram.shape[1:])), z)
+        square = np.einsum("ni,ncij,nj->nc", z, self.gram, z)
         cones = np.sqrt(np.maximum(square, 0.0)) - np.sum(self.bound * z[:, None], axis=2)
         rows = np.concatenate([np.maximum(values - self.upper, self.lower - values), cones], axis=1)
         changes = np.abs(np.diff(values, axis=0)) / (self.change * self.times(x)[:, None]) - 1
@@ -241,6 +276,15 @@ class SmoothProfile:
     u: Array
     free: Array
 
+
+LEAST_SHARE = 0.01
+"""Share of a limit that torques may always use: they are not asked to keep more than 99 % of it free."""
+
+SHARE = RowName("share of the limits")
+"""Name of the row of s."""
+
+OF_SPEED = ("square", "rate", "root", "offset")
+"""What of the rows of a path does not depend on the distribution."""
 
 FROM_REST = 1.5
 """|σ̈| of the first two nodes of a path from rest, as a multiple of σ̇² over the length of the path in σ: a constant jerk
@@ -360,52 +404,49 @@ def _load_rows(
     has none, and where another offset would change how fast a row with a limited rate changes, it is one row more.
     """
     names, r, m = list(problem.names), len(problem.unit), len(rates.torque)
-    at_end = (0, 2 * m + len(rates.wrench))  # room for what is no row yet
+    torque, wrench = joint_rows(cell, "torque", "torque_units"), wrench_rows(cell, "wrench")
+    motors, nothing = motor_terms(cell, path), np.zeros_like(problem.wrench_offset)
+    torque_root = np.zeros_like(problem.torque_offset) if problem.torque_speed is None else problem.torque_speed
+    without_dry = problem.torque_offset - (0.0 if motors is None else motors.dry)
+    column = np.concatenate([problem.torque_map, problem.wrench_map], axis=1)
+    of_both = column, np.hstack([torque_root, nothing]), np.hstack([without_dry, problem.wrench_offset])
+    most = np.append(rates.torque, rates.wrench)
+    counted = [((*torque, *wrench), *of_both, most, np.zeros_like(most))]
+    if weights is not None:  # τᵀWτ, of the torques themselves if W is diagonal, else of Lᵀτ with W = L Lᵀ
+        squares, of_torque = np.diag(weights), (problem.torque_map, torque_root, problem.torque_offset)
+        if np.count_nonzero(weights - np.diag(squares)):
+            turn, squares, torque = np.linalg.cholesky(weights).T, np.ones(m), (RowName("torques in the effort"),) * m
+            of_torque = turn @ problem.torque_map, torque_root @ turn.T, problem.torque_offset @ turn.T
+        counted.append((torque, *of_torque, np.full(m, np.inf), squares))
+
+    at_end = (0, sum(len(of[0]) for of in counted))  # room for what is no row yet
     A, unit = np.pad(problem.A, ((0, 0), at_end, (0, 0))), np.pad(problem.unit, at_end, constant_values=1.0)
     lower = np.pad(problem.lower, ((0, 0), at_end), constant_values=-np.inf)
     upper = np.pad(problem.upper, ((0, 0), at_end), constant_values=np.inf)
     root, offset = np.zeros((2, *lower.shape))
     root[:, :r] = 0.0 if problem.speed is None else problem.speed
     change, weight = np.full(len(unit), np.inf), np.zeros(len(unit))
-
-    motors, nothing = motor_terms(cell, path), np.zeros_like(problem.wrench_offset)
-    torque_root = np.zeros_like(problem.torque_offset) if problem.torque_speed is None else problem.torque_speed
-    without_dry = problem.torque_offset - (0.0 if motors is None else motors.dry)
-    counted = [*joint_rows(cell, "torque", "torque_units"), *wrench_rows(cell, "wrench")]
-    column = np.concatenate([problem.torque_map, problem.wrench_map], axis=1)
-    own_root, own = np.hstack([torque_root, nothing]), np.hstack([without_dry, problem.wrench_offset])
-    most = np.append(rates.torque, rates.wrench)
-    square = np.zeros_like(most)
-    if weights is not None:  # τᵀWτ, of the torques themselves if W is diagonal, else of Lᵀτ with W = L Lᵀ
-        turn: NDArray[np.floating[Any]] = np.eye(m)
-        squares: Array = np.diag(weights)
-        summed = counted[:m]
-        if np.count_nonzero(weights - np.diag(squares)):
-            turn, squares, summed = np.linalg.cholesky(weights).T, np.ones(m), [RowName("torques in the effort")] * m
-        column, counted = np.concatenate([column, turn @ problem.torque_map], axis=1), [*counted, *summed]
-        own_root, own = np.hstack([own_root, torque_root @ turn.T]), np.hstack([own, problem.torque_offset @ turn.T])
-        most, square = np.append(most, np.full(m, np.inf)), np.append(square, squares)
-    for j in np.flatnonzero(np.isfinite(most) | (square != 0)).tolist():
-        row = names.index(counted[j]) if counted[j] in names else 0
-        moved = own[:, j] / unit[row] - offset[:, row]
-        alike = np.max(np.abs(A[:, row] * unit[row] - column[:, j])) <= SAME_ROW * np.max(np.abs(column[:, j]))
-        steady = np.isinf(change[row]) or np.ptp(moved) <= SAME_ROW * np.max(np.abs(moved))
-        if counted[j] not in names or not alike or not steady:
-            row = len(names)
-            names.append(counted[j])
-            unit[row] = most[j] if np.isfinite(most[j]) else 1.0
-            A[:, row], root[:, row] = column[:, j] / unit[row], own_root[:, j] / unit[row]
-            moved = own[:, j] / unit[row]
-        for of in (lower, upper, offset):
-            of[:, row] += moved
-        change[row] = min(change[row], most[j] / unit[row])
-        weight[row] += square[j] * unit[row] ** 2
+    for named, column, own_root, own, most, square in counted:
+        of, place = np.flatnonzero(np.isfinite(most) | (square != 0)), {name: row for row, name in enumerate(names)}
+        row = np.array([place.get(named[j], -1) for j in of.tolist()], dtype=int)
+        moved, missed = own[:, of] / unit[row] - offset[:, row], np.abs(A[:, row] * unit[row, None] - column[:, of])
+        alike = np.max(missed, axis=(0, 2)) <= SAME_ROW * np.max(np.abs(column[:, of]), axis=(0, 2))
+        steady = np.isinf(change[row]) | (np.ptp(moved, axis=0) <= SAME_ROW * np.max(np.abs(moved), axis=0))
+        more = (row < 0) | ~alike | ~steady
+        j = of[more]
+        row[more] = added = np.arange(len(names), len(names) + len(j))
+        names += [named[one] for one in j.tolist()]
+        unit[added] = np.where(np.isfinite(most[j]), most[j], 1.0)
+        A[:, added], root[:, added] = column[:, j] / unit[added, None], own_root[:, j] / unit[added]
+        moved[:, more] = own[:, j] / unit[added]
+        for limit in (lower, upper, offset):
+            limit[:, row] += moved
+        change[row] = np.minimum(change[row], most[of] / unit[row])
+        weight[row] += square[of] * unit[row] ** 2
     rows = {"square": A[:, :, -1], "rate": A[:, :, -2], "free": A[:, :, :-2], "root": root, "offset": offset}
     rows |= {"lower": lower, "upper": upper, "change": change[None], "weight": weight[None]}
     rows["sizes"] = np.pad(np.zeros((2, r)) if sizes is None else sizes, ((0, 0), at_end))
-    for name, of in rows.items():
-        rows[name] = of[:, : len(names)]
-    return rows, names
+    return {name: of_rows[:, : len(names)] for name, of_rows in rows.items()}, names
 
 
 def _path_rows(sigma: Array, share: Array, free: int, rests: tuple[bool, bool]) -> dict[str, Array]:
@@ -431,3 +472,47 @@ def _path_rows(sigma: Array, share: Array, free: int, rests: tuple[bool, bool]) 
     rows = {"square": square, "rate": rate, "free": np.zeros((n, 3, free)), "root": nothing, "offset": nothing}
     rows |= {"lower": np.full((n, 3), -np.inf), "upper": upper, "change": np.full((1, 3), np.inf)}
     return rows | {"weight": np.zeros((1, 3)), "sizes": np.zeros((2, 3))}
+
+
+def whole_sides(free: Array, sizes: Array) -> Array:
+    """By how much limits move inward of which nothing may be used, Shape (2, N, r); 0 for rows no distribution moves.
+
+    `free` are the columns of what a distribution chooses, Shape (N, r, f), `sizes` from `counted_sizes`.
+    """
+    return sizes[:, None] * moved_by(free)
+
+
+def of_shares(program: SmoothProgram) -> SmoothProgram:
+    """The program with the largest share s of any limit at each node as the last free unknown, and ∫ s² dt as effort.
+
+    Each node has an s of its own, so that a place that needs all of a limit loosens no other; the square lets a tall
+    one count more than a wide one. Each row stands three times: with the limits that do not count and its rate, and
+    with each side that counts, of which it may use s. The last row is s itself.
+    """
+    n, r, _ = program.free.shape
+    low, high = whole_sides(program.free, program.sizes)
+    least, most, any_rate = np.full((n, r), -np.inf), np.full((n, r), np.inf), np.full(r, np.inf)
+    parts = (
+        (np.where(low > 0, least, program.lower), np.where(high > 0, most, program.upper), 0 * low, program.change),
+        (np.where(low > 0, program.lower + low, least), most, low, any_rate),
+        (least, np.where(high > 0, program.upper - high, most), -high, any_rate),
+        (np.full((n, 1), LEAST_SHARE), np.ones((n, 1)), np.ones((n, 1)), any_rate[:1]),
+    )
+    lower, upper, share, change = map(partial(np.concatenate, axis=-1), zip(*parts, strict=True))
+    given: dict[str, Any] = {name: np.pad(np.tile(getattr(program, name), 3), ((0, 0), (0, 1))) for name in OF_SPEED}
+    free = np.pad(np.tile(program.free, (1, 3, 1)), ((0, 0), (0, 1), (0, 1)))
+    free[:, :, -1] = share
+    start, end = (None if held is None else np.append(held, 1.0) for held in program.end_free)
+    whole = replace(
+        program,
+        **given,
+        free=free,
+        lower=lower,
+        upper=upper,
+        change=change,
+        weight=np.append(np.zeros(3 * r), 1.0),
+        sizes=np.zeros((2, len(change))),
+        names=(*program.names[:r] * 3, SHARE, *program.names[r:]),
+        end_free=(start, end),
+    )
+    return whole.only(np.isfinite(change) | np.any(np.isfinite(lower) | np.isfinite(upper), axis=0))

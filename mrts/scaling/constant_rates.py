@@ -23,7 +23,7 @@ from mrts.program.formulation import DistributionName
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, rate_names
-from mrts.program.reserve import given_sizes, reserved_torques
+from mrts.program.reserve import given_sizes
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import RangeStatus
 from mrts.program.smooth_program import SmoothProgram, path_program, third_derivatives, without_polygons
@@ -208,13 +208,13 @@ def torques_within_rates(
 ) -> tuple[Array, Array]:
     """Torques, Shape (N, m), and wrenches, (N, n w), of the least ∫ τᵀWτ dt within limits and rates at a c².
 
-    With `distribute` "reserve" the least of those of `reserved_torques`; a SolverError if there are none.
+    With `distribute` "reserve" the least of those of `KernelSolver.reserved_torques`; a SolverError if there are none.
     """
     cell, motion, problem = rows.cell, rows.motion, build_sample_problem(rows, varying=True)
     sizes = given_sizes(cell, motion) if distribute == "reserve" else None
     program = _with_margins(path_program(cell, motion, [problem], rates, weights, sizes=sizes), RATE_MARGIN / 2)
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
-    free = reserved_torques(program, square, nothing, KernelSolver())
+    free = KernelSolver().reserved_torques(program, square, nothing)
     if free is None:
         raise SolverError(f"no torques within the limits and the rates were found at c² = {c2:.6g}.")
     x = np.column_stack([free, nothing, square])

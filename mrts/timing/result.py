@@ -22,9 +22,9 @@ from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.between_samples import Excess
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import motion_rows, travel_directions
+from mrts.program.path_solver import CONVERGED, StepsTaken
 from mrts.program.sample_ranges import RangeStatus, motion_ranges
 from mrts.program.smooth_program import SmoothProgram, segment_times
-from mrts.program.successive_steps import CONVERGED, StepsTaken
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.options import Options
 from mrts.scaling.remarks import motion_remarks

@@ -2,7 +2,7 @@
 """The best timing of a path within limits of torques and of how fast they change, with nodes at its samples."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -12,12 +12,11 @@ from mrts.base.errors import InputError, Progress, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_solver import KEPT, KernelSolver
-from mrts.program.reserve import given_sizes, reserved_torques
+from mrts.program.path_solver import KEPT, KernelSolver, NoProfileError, StepsTaken, cost, last_step, successive_steps
+from mrts.program.reserve import given_sizes
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import RangeStatus
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, path_program
-from mrts.program.successive_steps import NoProfileError, StepsTaken, cost, last_step, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.timing.between_samples import refined_timing
 from mrts.timing.path_pieces import STRIDE, SmoothPath, smooth_nodes, smooth_pieces, stops
@@ -43,7 +42,6 @@ class SmoothQuestion:
         solver: Solves the programs.
         corners: Loads whose limits the programs of a duration have so far, by their place among those of `bare`: the
             heaviest, and what was passed.
-        progress: Told how many of how many steps are done.
     """
 
     bare: RetimingResult
@@ -53,7 +51,6 @@ class SmoothQuestion:
     sizes: Array | None
     solver: KernelSolver
     corners: list[int]
-    progress: Progress
 
 
 def smooth_timing(bare: RetimingResult, goal: Goal, progress: Progress) -> RetimingResult:
@@ -76,9 +73,8 @@ def smooth_timing(bare: RetimingResult, goal: Goal, progress: Progress) -> Retim
         usual,
         torque_weights(bare.options.weights, bare.cell),
         given_sizes(bare.cell, bare.motion) if bare.options.distribute == "reserve" else None,
-        KernelSolver(),
+        KernelSolver(progress),
         [int(np.argmax(np.array(bare.loads)[:, 0]))],
-        progress,
     )
     nodes = smooth_nodes(bare.cell, bare.given, bare.end_speeds)
     coarse = timing_at_nodes(question, nodes)
@@ -133,6 +129,7 @@ class _Search:
         start: F of each problem at its start, Shape (p, f), of the least torques at a stop on the way; None where it is
             free.
         stops: Whether there is such a stop at its end.
+        programs: Those that have been made, by the places of their loads.
     """
 
     question: SmoothQuestion
@@ -140,6 +137,7 @@ class _Search:
     before: SmoothPiece | None
     start: Array | None
     stops: bool
+    programs: dict[tuple[int, ...], SmoothProgram] = field(default_factory=dict)
 
     @cached_property
     def problems(self) -> list[SampleProblem]:
@@ -164,25 +162,30 @@ class _Search:
         )
         return start, end
 
-    def program(self, chosen: list[int], weights: Array | None) -> SmoothProgram:
-        """The limits for some of the loads, with the wrenches that are given at the ends."""
-        question, third = self.question, self.piece.third
-        rates = question.bare.options.rates
-        assert rates is not None  # noqa: S101 (only then is a timing smooth)
-        return path_program(
-            question.bare.cell,
-            self.piece.path,
-            [self.problems[place] for place in chosen],
-            rates,
-            weights,
-            self.ends,
-            (
-                None if self.start is None else self.start[chosen].ravel(),
-                None if self.end is None else self.end[chosen].ravel(),
-            ),
-            np.stack([third[::STRIDE, 0], third[STRIDE - 1 :: STRIDE, 1]], axis=1),
-            question.sizes,
-        )
+    def program(self, *chosen: int) -> SmoothProgram:
+        """The limits for some of the loads, with the wrenches that are given at the ends.
+
+        Torques are weighed in an effort, and of the cell's own load, whose least ones are the plan.
+        """
+        if chosen not in self.programs:
+            question, third, own = self.question, self.piece.third, len(self.problems) - 1
+            rates = question.bare.options.rates
+            assert rates is not None  # noqa: S101 (only then is a timing smooth)
+            self.programs[chosen] = path_program(
+                question.bare.cell,
+                self.piece.path,
+                [self.problems[place] for place in chosen],
+                rates,
+                question.weights if question.goal.effort > 0 or chosen == (own,) else None,
+                self.ends,
+                (
+                    None if self.start is None else self.start[list(chosen)].ravel(),
+                    None if self.end is None else self.end[list(chosen)].ravel(),
+                ),
+                np.stack([third[::STRIDE, 0], third[STRIDE - 1 :: STRIDE, 1]], axis=1),
+                question.sizes,
+            )
+        return self.programs[chosen]
 
     def run(self) -> SmoothPiece | tuple[RetimingStatus, str]:
         """The timing with its torques, or the outcome without one."""
@@ -196,8 +199,7 @@ class _Search:
             why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
             return RetimingStatus.UNBOUNDED, why
         known = steps.shares if len(carried) == 1 else None  # of several loads they are no single one's
-        limits = self.program([len(self.problems) - 1], question.weights)
-        plan = reserved_torques(limits, x, u, question.solver, known)
+        plan = question.solver.reserved_torques(self.program(len(self.problems) - 1), x, u, known)
         if plan is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
         unknowns = np.column_stack([plan, u, x])
@@ -225,13 +227,10 @@ class _Search:
         corners = question.corners if goal.effort == 0 else [*loads]
         carried: dict[int, Array] = {}
 
-        def limits(chosen: list[int]) -> SmoothProgram:
-            return self.program(chosen, question.weights if goal.effort > 0 else None)
-
         def accepted(profile: SmoothProfile) -> bool:
             passed: dict[int, float] = {}
             for place in [place for place in loads if place not in corners]:
-                program = limits([place])
+                program = self.program(place)
                 free = question.solver.torques(program, profile.x, profile.u)
                 if free is None or not program.keeps(replace(profile, free=free), KEPT):
                     passed[place] = _widening(program, profile)
@@ -248,10 +247,10 @@ class _Search:
             likely = np.interp(self.piece.path.object.time, last.piece.path.object.time, last.x)
         before = np.inf if last is None else cost(last.program, last.steps.best, goal)
         while True:
-            program = limits(corners).narrowed(NARROWING)
-            best = successive_steps(program, likely, goal, question.solver, question.progress, before)
+            program = self.program(*corners).narrowed(NARROWING)
+            best = successive_steps(program, likely, goal, question.solver, before)
             if accepted(best.profile):
-                found = last_step(program, best, goal, question.solver, question.progress)
+                found = last_step(program, best, goal, question.solver)
                 if accepted(found.profile):
                     carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
                     return program, found, tuple(carried[place] for place in loads)

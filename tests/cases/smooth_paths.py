@@ -47,6 +47,7 @@ def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, jo
         lower=np.full((n, r), -np.inf), upper=np.full((n, r), np.inf), change=np.full(r, np.inf),
         weight=rng.uniform(0.2, 2, r), sizes=np.zeros((2, r)), q1=waves(rng, s, (joints,)), q2=waves(rng, s, (joints,)),
         q3=waves(rng, np.linspace(0, 1, 2 * (n - 1)), (joints,)).reshape(n - 1, 2, joints), jerk=np.ones(joints),
+        gram=np.zeros((n, 0, 3, 3)), bound=np.zeros((n, 0, 3)),
     )  # fmt: skip
     values = program.values(x, u, force)
     middle, half = (values.max(0) + values.min(0)) / 2, (values.max(0) - values.min(0)) / 2 + 0.1

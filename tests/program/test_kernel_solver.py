@@ -7,9 +7,8 @@ import pytest
 from conic_timing import ConicSolver
 from smooth_paths import smooth_path
 
-from mrts.program.path_solver import KernelSolver
+from mrts.program.path_solver import KernelSolver, cost
 from mrts.program.smooth_program import Goal
-from mrts.program.successive_steps import cost
 
 KINDS = {
     "one arm": {"rows": 6, "joints": 6, "changes": False},

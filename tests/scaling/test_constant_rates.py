@@ -17,8 +17,8 @@ import mrts
 from mrts.cell.robot import JointMotors
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
+from mrts.program.path_solver import SHARE_MARGIN
 from mrts.program.rate_limits import rate_limits
-from mrts.program.reserve import SHARE_MARGIN
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.constant_rates import RatedFactors
 from mrts.scaling.range import RangeEnd

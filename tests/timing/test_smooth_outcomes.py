@@ -13,8 +13,8 @@ from shipped_cells import shipped_motion
 import mrts
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
+from mrts.program.path_solver import CONVERGED
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.successive_steps import CONVERGED
 from mrts.timing import smooth_timing
 from mrts.timing.retime import ROOM
 
