@@ -19,8 +19,7 @@ from mrts.base.errors import InputError, Mistakes, Remark, did_you_mean
 from mrts.base.formats.urdf import NO_LIMIT, Urdf
 from mrts.base.input_file import FileReference, read_data
 from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, ChainsRecord
-from mrts.base.version import __version__
+from mrts.base.manifest import PLANE_COMPONENTS, ChainsRecord
 from mrts.cell.cell_file import (
     OF_ARM,
     OF_FRICTION,
@@ -29,11 +28,8 @@ from mrts.cell.cell_file import (
     robot_values,
 )
 from mrts.cell.points import RATES, ArmPointLimit, point_names, rate_limits
-from mrts.cell.record import NOTICE, CellManifest, CellRecord, MeshSurface
+from mrts.cell.record import CellManifest, CellRecord, MeshSurface
 from mrts.cell.robot import Robot, RobotSource, check_plane_kept
-
-PLANE_COMPONENTS = {None: (0, 1, 2, 3, 4, 5), "xy": (0, 1, 5), "xz": (0, 2, 4), "yz": (1, 2, 3)}
-"""Which rows of a wrench or twist [x, y, z, about x, about y, about z] a cell uses, by its `plane`."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +49,7 @@ class CellModel:
     @property
     def components(self) -> tuple[int, ...]:
         """Rows of a six-component wrench that this cell uses."""
-        return PLANE_COMPONENTS[self.record.plane]
+        return tuple(self.record.wrench_rows)
 
     def chains_key(self, stem: str) -> str:
         """Hash of what functions are generated of: the chains, not the numbers of a cell file."""
@@ -133,7 +129,6 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     record = CellRecord(
         name=description.name,
         plane=description.plane,
-        wrench_components=_components(description.plane),
         gravity=np.array(description.gravity, dtype=float),
         load=load_vector(carried.mass, np.zeros(3), inertia),
         load_box=None if carried.variation is None else LoadBox(carried.mass, inertia, carried.variation),
@@ -155,18 +150,7 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
 
 def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:
     """The manifest of a cell."""
-    return CellManifest(
-        **dict(chains),
-        cell=cell.record,
-        notice=NOTICE,
-        content_sha256="",
-        format=FORMAT,
-        mrts_version=__version__,
-    ).sealed()
-
-
-def _components(plane: str | None) -> tuple[str, ...]:
-    return tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[plane])
+    return CellManifest(**dict(chains), cell=cell.record)
 
 
 def build_robot(
@@ -177,7 +161,7 @@ def build_robot(
     reference = FileReference(robot.urdf, f"{key}.urdf")
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)
     urdf = parse_urdf(urdf_path, content)
-    components = _components(plane)
+    components = PLANE_COMPONENTS[plane]
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
     model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held, lenient=lenient)
     sha256 = hashlib.sha256(content).hexdigest()

@@ -15,11 +15,19 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of generated functions, which hold no numbers of a cell file."""
 
-FORMAT = 16
+FORMAT = 17
 """Version of the manifest's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
 """Names of a six-component wrench, forces before moments; a planar cell uses three of them."""
+
+PLANE_COMPONENTS = {
+    None: WRENCH_COMPONENTS,
+    "xy": ("fx", "fy", "nz"),
+    "xz": ("fx", "fz", "ny"),
+    "yz": ("fy", "fz", "nx"),
+}
+"""Those of a cell, by its `plane`."""
 
 WRENCH_UNITS = dict(zip(WRENCH_COMPONENTS, ("N", "N", "N", "N m", "N m", "N m"), strict=True))
 

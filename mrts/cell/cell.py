@@ -15,14 +15,14 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Remark, as_path, check_type, is_number
-from mrts.base.formats.record import MadeAgain, Rule, dumped
+from mrts.base.formats.record import Rule, dumped
 from mrts.base.load_box import LoadBox
-from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
+from mrts.base.manifest import GEOMETRY, WRENCH_UNITS
 from mrts.base.notebook import InNotebooks, NotebookTable
 from mrts.base.regular_file import is_folder
 from mrts.base.rigid_transform import in_one_place
 from mrts.cell.generation import (
-    CellFunctions,
+    GeneratedFunctions,
     compiled_functions,
     described_model,
     generated_chains,
@@ -35,7 +35,7 @@ from mrts.cell.record import CellRecord, read_generated
 from mrts.cell.robot import JOINT_HEAD, check_plane_kept
 from mrts.kernel.cell_library import CellLibrary
 
-OF_CELL = ("name", "plane", "wrench_components", "machines")
+OF_CELL = ("name", "plane", "machines")
 
 OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
 """Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
@@ -51,11 +51,11 @@ KNOWN_CELLS = 16
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Cell(InNotebooks, MadeAgain, CellRecord):
+class Cell(InNotebooks, CellRecord):
     """A record of n arms and the object that they hold, ready to be asked; m joints in all.
 
     Attributes:
-        functions: The generated functions.
+        generated: The generated functions; they take geometry and load, and `functions` evaluates them.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
         limits: Functions of a cell and its motion that give further limits; docs/extending.md.
@@ -67,7 +67,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         InputError: If a value breaks a rule, or is not what the functions were generated with.
     """
 
-    functions: CellFunctions
+    generated: GeneratedFunctions
     enforces_velocity_limits: bool = True
     reserve: Annotated[float, Rule(ge=0, lt=1)] = 0.0
     limits: tuple[Callable[..., Any], ...] = ()
@@ -76,7 +76,6 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_changes(self)
-        object.__setattr__(self, "functions", self.functions.placed(self.geometry))
 
     @classmethod
     def from_description(cls, description: Mapping[str, Any], *, folder: Path | str | None = None) -> "Cell":
@@ -138,8 +137,22 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
 
     @property
     def library(self) -> CellLibrary:
-        """What was compiled of it, and the kernel with it; see `CellFunctions.library`."""
-        return self.functions.library
+        """What was compiled of it, and the kernel with it; see `GeneratedFunctions.library`."""
+        return self.generated.library
+
+    def functions(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
+        """Evaluate one generated function for all samples in one call; the manifest has its inputs and outputs.
+
+        Args:
+            name: Short name, such as "terms".
+            samples: Number of samples N.
+            inputs: By input name, Shape (N, rows), (N, rows, columns), or (rows,) for one value for all samples; the
+                geometry is that of the cell unless it is given.
+
+        Returns:
+            By output name, Shape (N, rows, columns); (N, rows) for a column.
+        """
+        return self.library.map(name, samples, {GEOMETRY: self.geometry} | inputs)
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
@@ -164,11 +177,6 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
     def wrench_slices(self) -> dict[str, slice]:
         """Where each robot's wrench stands in the stacked wrenches F, Shape (n w,)."""
         return _slices({robot.name: len(self.wrench_components) for robot in self.robots})
-
-    @cached_property
-    def wrench_rows(self) -> list[int]:
-        """Rows of a six-component wrench or twist that this cell uses, in the order of its components."""
-        return [WRENCH_COMPONENTS.index(component) for component in self.wrench_components]
 
     @cached_property
     def wrench_units(self) -> tuple[str, ...]:
@@ -309,9 +317,9 @@ def load_cell(path: Path | str) -> Cell:
     return cell_of(compiled_functions(*generated_in_cache(path)), path.resolve().parent)
 
 
-def cell_of(functions: CellFunctions, folder: Path | None = None) -> Cell:
+def cell_of(generated: GeneratedFunctions, folder: Path | None = None) -> Cell:
     """The cell that the manifest of functions describes."""
-    return Cell(**functions.manifest.cell.record(), functions=functions, folder=folder)
+    return Cell(**generated.manifest.cell.record(), generated=generated, folder=folder)
 
 
 def uncompiled_cell(model: Any, folder: Path) -> Cell:
@@ -330,7 +338,7 @@ def cell_to_compile(path: Path | str) -> Cell | None:
 
 def _check_changes(cell: Cell) -> None:
     """Check that a cell is what its functions were generated with, and that arms keep to the rules of the file."""
-    made = cell.functions.manifest.cell
+    made = cell.generated.manifest.cell
     ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
     changed = [pair for pair in zip(cell.robots, made.robots, strict=False) if pair[0] is not pair[1]]
     pairs = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
@@ -350,7 +358,7 @@ def _check_changes(cell: Cell) -> None:
 
 def _check_machines(cell: Cell) -> None:
     """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
-    arms = zip(cell.robots, cell.functions.manifest.cell.robots, strict=True)
+    arms = zip(cell.robots, cell.generated.manifest.cell.robots, strict=True)
     for (one, one_made), (other, other_made) in combinations(arms, 2):
         first, second = one_made.source, other_made.source
         if first.sha256 != second.sha256:

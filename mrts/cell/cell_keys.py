@@ -285,7 +285,7 @@ def _known(value: Any) -> Any:
 
 def manifest_of(cell: Cell) -> CellManifest:
     """The manifest of a cell as it is now."""
-    return cell.functions.manifest.model_copy(update={"cell": CellRecord(**cell.record())}).sealed()
+    return cell.generated.manifest.model_copy(update={"cell": CellRecord(**cell.record())})
 
 
 def differences(one: CellRecord, other: CellRecord) -> Iterator[tuple[str, Any, Any]]:

@@ -7,20 +7,20 @@ Here and nowhere else the run time calls the build time (`mrts_codegen`).
 import hashlib
 from collections.abc import Callable, Iterable
 from ctypes import CDLL, addressof, c_char, string_at
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 from mrts.base import version
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import NEAREST_INERTIA, InputError
-from mrts.base.formats.record import read_json
+from mrts.base.formats.record import MadeAgain, read_json
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import FileReference, plain
-from mrts.base.manifest import CHAINS_NAME, GEOMETRY, MANIFEST_NAME, OF_MOTION, ChainsRecord, check_source
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, OF_MOTION, ChainsRecord, check_source
 from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
@@ -51,40 +51,19 @@ CELL_FILE = "cell.yaml"
 """What `mrts new` and `mrts demo` call a cell file."""
 
 
-class CellFunctions:
-    """Callable by short name; see the manifest for inputs, outputs and shapes.
+@dataclass(frozen=True, eq=False)
+class GeneratedFunctions(MadeAgain):
+    """What was generated of a cell; cells of other numbers share it.
 
-    They pickle as what they are bound from, never as an address: another process binds a library of its own.
-
-    Args:
-        manifest: What they are.
-        origin: The generated C; of a saved result its path.
+    It pickles without an address: another process binds a library of its own, where it is used first.
 
     Attributes:
-        bind: Gives the library, which may be compiled then, or raises why there is none; cells of other numbers share
-            it.
+        manifest: What the functions are.
+        origin: The generated C; of a saved result its path.
     """
 
-    def __init__(self, manifest: CellManifest, origin: str | Path) -> None:
-        self.manifest, self.origin = manifest, origin
-        self.bind = cache(partial(_bound, manifest, origin))
-        self._geometry: Array | None = None
-
-    def __call__(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
-        """Evaluate one function for all samples in one call.
-
-        Args:
-            name: Short name, such as "terms".
-            samples: Number of samples N.
-            inputs: By input name, Shape (N, rows), (N, rows, columns), or (rows,) for one value for all samples; the
-                geometry is that of the cell unless it is given.
-
-        Returns:
-            By output name, Shape (N, rows, columns); (N, rows) for a column.
-        """
-        if self._geometry is not None:
-            inputs = {GEOMETRY: self._geometry} | inputs
-        return self.library.map(name, samples, inputs)
+    manifest: CellManifest
+    origin: str | Path
 
     @property
     def compiled(self) -> CellLibrary | None:
@@ -93,27 +72,15 @@ class CellFunctions:
 
     @cached_property
     def library(self) -> CellLibrary:
-        """The cell's library; of functions of the motion alone one that follows, and does nothing else."""
-        return self.bind()
-
-    def placed(self, geometry: Array) -> Self:
-        """The same functions for a cell of this geometry, Shape (3 + 24 n + h,)."""
-        ours = object.__new__(type(self))  # a copy would bind them again
-        vars(ours).update(vars(self) | {"_geometry": geometry})
-        return ours
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _bound_again, (self.manifest.to_json(), self.origin)
-
-    def __deepcopy__(self, _memo: dict[int, Any]) -> Self:
-        return self  # nothing of them changes
+        """The cell's library, compiled unless the cache holds it; of functions of the motion one that only follows."""
+        return _bound(self.manifest, self.origin)
 
 
-def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
-    """The functions of a library that is compiled unless the cache holds it."""
-    functions = CellFunctions(manifest, source.read_text(encoding="utf-8"))
+def compiled_functions(manifest: CellManifest, source: Path) -> GeneratedFunctions:
+    """Functions whose library is compiled unless the cache holds it."""
+    functions = GeneratedFunctions(manifest, source.read_text(encoding="utf-8"))
     try:
-        functions.bind()
+        functions.library  # noqa: B018 (it is bound)
     except InputError as error:
         raise error.inside(source.with_name(MANIFEST_NAME)) from None
     return functions
@@ -151,11 +118,6 @@ def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) ->
         if string_at(addressof(compiled)) != record.signature.encode():
             raise InputError("", f"the compiled function has other shapes. {MAKE_AGAIN}", key=f"functions.{name}")
     return library
-
-
-def _bound_again(manifest_text: str, origin: str | Path) -> CellFunctions:
-    """The functions of a pickle, compiled when they are used: what raises while a worker unpickles its task ends it."""
-    return CellFunctions(verified_manifest("pickled cell", manifest_text), origin)
 
 
 def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
@@ -304,13 +266,13 @@ def cell_model(path: Path) -> Any:
     return read_cell_model(path)
 
 
-def motion_functions_of(cell: Any) -> CellFunctions:
+def motion_functions_of(cell: Any) -> GeneratedFunctions:
     """The functions of a cell that the motion of its joints takes, compiled when something follows."""
     from mrts_codegen.cell_model import cell_manifest  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.generate import generate_chains  # noqa: PLC0415
 
     chains, c_source, _ = generate_chains(cell, CACHED_STEM, OF_MOTION)
-    return CellFunctions(cell_manifest(cell, chains), c_source)
+    return GeneratedFunctions(cell_manifest(cell, chains), c_source)
 
 
 def read_to_generate(path: Path) -> Any | None:

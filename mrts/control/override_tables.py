@@ -397,8 +397,8 @@ def _plan_nodes(corners: Corners) -> NDArray[Any]:
 
 def _opened(cell: Cell) -> ctypes.CDLL:
     """The exported functions that play a plan, compiled unless the cache holds them."""
-    manifest, generated = cell.functions.manifest, cell.functions.origin
+    manifest, generated = cell.generated.manifest, cell.generated.origin
     if not isinstance(generated, str):
-        cell.functions.library  # noqa: B018 (it says what is missing)
+        cell.library  # noqa: B018 (it says what is missing)
     source = override_source(manifest, str(generated))
     return compiled_library("override", source, (OVERRIDE,))

@@ -235,7 +235,7 @@ def _held(cell: Cell, given: CoordinatedMotion, *bounds: tuple[float, float, flo
     They are a distance [m], an angle [rad], and a share of the largest velocity, or acceleration, of a tip by which it
     slips on its grasp.
     """
-    library, target = cell.functions.compiled, given.object
+    library, target = cell.generated.compiled, given.object
     if library is None:
         by_each = carried_by_each(cell, target.time, given.q, given.dq, given.ddq)
         most = np.max(grasp_gaps(cell, target, by_each), axis=(1, 2))

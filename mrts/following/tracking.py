@@ -248,7 +248,7 @@ def solve_grasps(
         [rad or m]; errors of position [m] and of rotation [rad], and the step still to go in the null space, zero for
         an arm that has none [rad or m], Shape (T, n) each.
     """
-    library, count = cell.functions.library, len(start)
+    library, count = cell.library, len(start)
     given = {name: getattr(motion, name)[samples] for name in PATH if name != "time"}
     shapes = {name: PATH[name] for name in given} | {"reference": start.shape[1:]}
     places, strides = tracking.strided(count, shapes, given | {"reference": start if near is None else near[None]})
@@ -326,7 +326,7 @@ def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVarian
     path = {name: getattr(motion, name)[None] for name in PATH}
     given = {**path, "geometry": cell.geometry[None], "posture": start}
     none = np.zeros(len(start), dtype=bool)
-    found = follow_variants(cell.functions.library, tracking_rule(cell), none, given, held=True)
+    found = follow_variants(cell.library, tracking_rule(cell), none, given, held=True)
     time = np.broadcast_to(path["time"], (len(start), len(motion.time)))
     return TrackedVariants(cell.robots, time, *found, {})
 
@@ -345,7 +345,7 @@ def track_variants(
         posture: Of all joints, Shape (V or 1, m) [rad or m].
         refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
     """
-    library, rule = cell.functions.library, tracking_rule(cell)
+    library, rule = cell.library, tracking_rule(cell)
     given, passed = {**path, "geometry": geometry, "posture": posture}, refused.copy()
     if len(refused) > 1:  # one is searched in less time
         passed[list(_out_of_reach(cell, path, geometry, np.flatnonzero(~refused), slice(1)))] = True

@@ -42,7 +42,7 @@ class CellLibrary:
         self.unknowns, self.wrenches = components * (self.robots - 1) + 1, components * self.robots
 
     def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
-        """Evaluate a generated function at all samples; see `mrts.cell.generation.CellFunctions`."""
+        """Evaluate a generated function at all samples; see `mrts.Cell.functions`."""
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
         outputs, sizes = dict[str, Array](), list[int]()

@@ -22,7 +22,7 @@ from mrts.base.regular_file import open_regular
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import manifest_of
-from mrts.cell.generation import CellFunctions
+from mrts.cell.generation import GeneratedFunctions
 from mrts.cell.record import CellManifest, CellRecord
 from mrts.limits.rows import limit_name
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
@@ -107,7 +107,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
 
     def read_cell(reader: TreeReader, entry: dict[str, Any], place: str) -> Cell:
         manifest = CellManifest.model_validate(entry["manifest"])
-        functions = CellFunctions(manifest, path) if cell is None else _functions_of(cell, manifest, path)
+        generated = GeneratedFunctions(manifest, path) if cell is None else _generated_of(cell, manifest, path)
         names, given = entry["limits"], () if cell is None else cell.limits
         if names != (others := list(map(limit_name, given))):
             rule = (
@@ -119,7 +119,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
         record["load_box"] = reader.value(LoadBox | None, entry["load_box"], f"{place}.load_box")
         return Cell(
             **record,
-            functions=functions,
+            generated=generated,
             enforces_velocity_limits=entry["enforces_velocity_limits"],
             reserve=entry["reserve"],
             limits=given,
@@ -206,8 +206,8 @@ def _own_limits(names: list[str]) -> str:
     return f"the limits {', '.join(names)} of Python" if names else "no limits but those of its file"
 
 
-def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
-    ours, theirs = (_made_from(one.cell) for one in (cell.functions.manifest, saved))
+def _generated_of(cell: Cell, saved: CellManifest, path: Path) -> GeneratedFunctions:
+    ours, theirs = (_made_from(one.cell) for one in (cell.generated.manifest, saved))
     for key in theirs | ours:
         if ours.get(key) != theirs.get(key):
             raise InputError(
@@ -216,12 +216,12 @@ def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
                 f"in {key}. Read the cell file that it was found with.",
                 key="cell",
             )
-    return cell.functions
+    return cell.generated
 
 
 def _made_from(cell: CellRecord) -> dict[str, Any]:
     """What a cell's functions depend on: not its limits, its load or its geometry."""
-    made: dict[str, Any] = {"plane": cell.plane, "wrench_components": cell.wrench_components}
+    made: dict[str, Any] = {"plane": cell.plane}
     for number, robot in enumerate(cell.robots):
         source = robot.source
         own: dict[str, Any] = {"urdf": source.sha256, "base_link": source.base_link, "tip_link": source.tip_link}

@@ -87,7 +87,7 @@ def test_a_chain_inside_a_larger_tree_starts_at_its_base_link(tmp_path):
     arm = {"name": "arm", "urdf": str(urdf), "base_link": "l0", "tip_link": "l3", "posture": [0.0] * 3}
     loaded = casadi_cell(cell_of_arms(tmp_path, arm))
     assert loaded.robots[0].joints == ("j1", "j2", "j3")
-    assert "torque_form" not in loaded.functions.manifest.functions  # three joints, six wrench components
+    assert "torque_form" not in loaded.generated.manifest.functions  # three joints, six wrench components
     full = pin.buildModelFromUrdf(str(urdf))
     lock = [full.getJointId(name) for name in ("j0", "j4", "j5", "to_finger")]
     model = pin.buildReducedModel(full, lock, pin.neutral(full))

@@ -79,7 +79,6 @@ HOSTILE = {
     "joints without end": lambda data: data["cell"]["robots"][0].update(joints=["j"] * 1001),
     "a position too many": lambda data: data["cell"]["robots"][0].update(posture=[0.0] * 4),
     "a ragged rotation": lambda data: data["cell"]["robots"][0]["T_world_base"].update(R=[[1.0], [0.0, 1.0], []]),
-    "a component twice": lambda data: data["cell"].update(wrench_components=["fx", "fx", "nz"]),
     "too few wrench limits": lambda data: data["cell"]["robots"][0].update(wrench_lower=[None]),
     "a strange parameter": lambda data: data["cell"].update(
         load_box={"mass": 2.0, "inertia": np.eye(3).tolist(), "ranges": {"x; y": [0, 1]}}

@@ -70,7 +70,7 @@ def test_another_number_of_a_cell_file_needs_no_generation(tmp_path, monkeypatch
     description["robots"][1]["torque"][0] = 77.0
     description["object"]["mass"] = 1.0
     second = mrts.load_cell(cell_file(tmp_path, description))
-    assert second.functions.manifest.source_sha256 == first.functions.manifest.source_sha256
+    assert second.generated.manifest.source_sha256 == first.generated.manifest.source_sha256
     assert not np.array_equal(second.geometry, first.geometry)
 
 

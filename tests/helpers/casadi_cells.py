@@ -5,24 +5,24 @@ import numpy as np
 from mrts_codegen.generate import generate_cell
 
 from mrts.cell.cell import cell_of
-from mrts.cell.generation import CellFunctions
+from mrts.cell.generation import GeneratedFunctions
 
 
-class CasadiFunctions(CellFunctions):
+class CasadiLibrary:
     """What CasADi gives at all samples; following takes a compiled library."""
 
-    compiled = None
+    def __init__(self, records, functions):
+        self.records, self.functions = records, functions
 
-    def __call__(self, name, samples, inputs):
-        record, arguments = self.manifest.functions[name], []
-        given = {"geometry": self._geometry} | inputs
+    def map(self, name, samples, given):
+        record, arguments = self.records[name], []
         for short, (rows, columns) in record.inputs.items():
             value = np.asarray(given[short], dtype=float)
             value = np.broadcast_to(value, (samples, rows)) if value.shape == (rows,) else value
             stacked = value.reshape(samples, rows, columns).transpose(1, 0, 2)
             arguments.append(ca.DM(stacked.reshape(rows, samples * columns)))
         outputs = {}
-        found = self.origin[name].map(samples).call(arguments)
+        found = self.functions[name].map(samples).call(arguments)
         for (short, (rows, columns)), result in zip(record.outputs.items(), found, strict=True):
             value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
             outputs[short] = value[:, :, 0] if columns == 1 else value
@@ -32,4 +32,6 @@ class CasadiFunctions(CellFunctions):
 def casadi_cell(path):
     """The cell of a file."""
     manifest, _, functions = generate_cell(path)
-    return cell_of(CasadiFunctions(manifest, functions), path.resolve().parent)
+    generated = GeneratedFunctions(manifest, path)
+    vars(generated)["library"] = CasadiLibrary(manifest.functions, functions)
+    return cell_of(generated, path.resolve().parent)

@@ -23,17 +23,15 @@ UGLY_JOINTS = tuple(f"_<img src=x onerror=window.broken=1>$x$ & joint {number} w
 
 def as_if_generated(cell, **changes):
     """The cell with other entries in its manifest, its functions as they are."""
-    functions = cell.functions
-    manifest = functions.manifest.model_copy(update={"cell": replace(functions.manifest.cell, **changes)}).sealed()
-    renamed_functions = functions.placed(cell.geometry)
-    renamed_functions.manifest = manifest
-    return cell_of(renamed_functions)
+    generated = cell.generated
+    manifest = generated.manifest.model_copy(update={"cell": replace(generated.manifest.cell, **changes)})
+    return cell_of(replace(generated, manifest=manifest))
 
 
 def renamed(cell, name, robots, joints):
     """The cell as if it had been generated with other names, as no cell file could give them."""
     records = []
-    for robot, other in zip(cell.functions.manifest.cell.robots, robots, strict=True):
+    for robot, other in zip(cell.generated.manifest.cell.robots, robots, strict=True):
         records.append(replace(robot, name=other, joints=joints))
     return as_if_generated(cell, name=name, robots=tuple(records))
 
