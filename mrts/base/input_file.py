@@ -46,6 +46,9 @@ KEYS_OF = {
 }
 """Keys that only one kind of file has."""
 
+FileKind = Literal["URDF", "mesh", "joint limits file"]
+"""What a cell file names."""
+
 XML = ("<?xml", "<robot", "<mujoco", "<sdf")
 
 CLEARLY_OTHER = 2
@@ -139,7 +142,7 @@ class FileReference:
 
     text: str
     key: str = "robots[].urdf"
-    what: Literal["URDF", "mesh", "joint limits file"] = "URDF"
+    what: FileKind = "URDF"
 
     def path(self, cell_path: Path, folder: Path) -> Path:
         """Where the file is."""

@@ -11,7 +11,6 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.record import Angle, Finite, Name, Pose, Positive, Record, Rule, Vector3
-from mrts.base.input_file import FileReference
 from mrts.base.load_box import Variation
 from mrts.base.manifest import MOST, WRENCH_UNITS
 from mrts.base.rigid_transform import RigidTransform
@@ -227,23 +226,6 @@ class CellDescription(Record):
     object: ObjectDescription
     surroundings: Annotated[list[Obstacle], Rule(max_length=MOST)] = []  # noqa: RUF012
     robots: Annotated[list[RobotDescription], Rule(min_length=1)]
-
-    @property
-    def references(self) -> dict[tuple[str | int, ...], FileReference]:
-        """What it says of all files that it names, by the keys on the way there."""
-        found: dict[tuple[str | int, ...], FileReference] = {}
-        for at, robot in enumerate(self.robots):
-            key = f"robots[{at}] ({robot.name})"
-            found["robots", at, "urdf"] = FileReference(robot.urdf, f"{key}.urdf")
-            if robot.joint_limits is not None:
-                limits = FileReference(robot.joint_limits, f"{key}.joint_limits", "joint limits file")
-                found["robots", at, "joint_limits"] = limits
-        if self.object.shape is not None and self.object.shape.mesh is not None:
-            found["object", "shape", "mesh"] = FileReference(self.object.shape.mesh, "object.shape.mesh", "mesh")
-        for at, body in enumerate(self.surroundings):
-            if body.mesh is not None:
-                found["surroundings", at, "mesh"] = FileReference(body.mesh, f"surroundings[{at}].mesh", "mesh")
-        return found
 
     def problem(self) -> str:
         """The rule that its robots' names break; empty if none."""

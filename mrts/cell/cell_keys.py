@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from mrts.base.arrays import Array, without_infinity
 from mrts.base.atomic_file import resolved_path, write_text_atomically
 from mrts.base.errors import NEAREST_INERTIA, InputError, as_path, check_type, did_you_mean, is_number, joined
 from mrts.base.formats.record import Pose, Record, checked, dumped
-from mrts.base.input_file import is_uri, named_in, plain
+from mrts.base.input_file import FileKind, FileReference, is_uri, named_in, plain
 from mrts.base.load_box import UNITS
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_text import parse_yaml, yaml_text
@@ -32,7 +33,7 @@ from mrts.cell.robot import PER_JOINT, RATINGS, Robot
 SAME_ROTATION = 1e-12
 """Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""
 
-FILES = frozenset({"urdf", "mesh", "joint_limits"})
+FILES: dict[Any, FileKind] = {"urdf": "URDF", "mesh": "mesh", "joint_limits": "joint limits file"}
 """Keys that say where a file is, which need not be alike: its hash is compared, or what was taken from it."""
 
 Keys = tuple[str | int, ...]
@@ -223,10 +224,11 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
         raise InputError(where, rule, key="folder")
     beside = None if target is None else target.parent
     text = yaml_text(_written(cell, cell.folder, beside))
-    model = described_model(parse_yaml(text), beside or cell.folder, str(where))
+    given = parse_yaml(text)
+    model = described_model(given, beside or cell.folder, str(where))
     _check_same(where, cell, model.record)
     if target is not None:
-        files = (reference.path(where, target.parent) for reference in model.description.references.values())
+        files = (reference.path(where, target.parent) for reference in named_files(given).values())
         if any(file.resolve() == target for file in files):
             raise InputError(target, "is a file that the cell names, its URDF or mesh. Choose another name.")
         write_text_atomically(target, text)
@@ -243,18 +245,12 @@ _NOT_IN_FILES = {
 
 def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
     """The keys of a cell file in another folder, without what its URDFs say anyway."""
-
-    def reference(given: str) -> str:
-        """How the cell file names a file: as a package's, relative to itself, or absolute."""
-        file = (folder / given).resolve()
-        return given if is_uri(given) else file.as_posix() if beside is None else named_in(beside, file)
-
     keys = cell_keys(cell)
-    shapes = [keys["object"]["shape"] or {}, *(keys["surroundings"] or ())]
-    for shape in filter(lambda shape: shape.get("mesh"), shapes):
-        shape["mesh"] = reference(shape["mesh"])
+    for place, named in named_files(keys).items():
+        if not is_uri(named.text):
+            file = (folder / named.text).resolve()
+            set_value(keys, place, file.as_posix() if beside is None else named_in(beside, file))
     for robot, said in zip(cell.robots, keys["robots"], strict=True):
-        said["urdf"] = reference(said["urdf"])
         motors = said["motors"]
         if robot.source.effort is not None:
             del said["torque"]
@@ -291,14 +287,14 @@ def manifest_of(cell: Cell) -> CellManifest:
 def differences(one: CellRecord, other: CellRecord) -> Iterator[tuple[str, Any, Any]]:
     """Key and both values of all that differs between two cells, but for rounding of rotations."""
     numbers, found = (
-        dict(_leaves(dumped(cell.record() | {"remarks": (), "surfaces": [*cell.surfaces.values()]})))
+        dict(leaves(dumped(cell.record() | {"remarks": (), "surfaces": [*cell.surfaces.values()]})))
         for cell in (one, other)
     )
-    for key in dict.fromkeys([*numbers, *found]):
-        first: Any = numbers.get(key)
-        second: Any = found.get(key)
-        if first != second and not (".R[" in key and abs(first - second) <= SAME_ROTATION):
-            yield key, first, second
+    for keys in dict.fromkeys([*numbers, *found]):
+        first, second = numbers.get(keys), found.get(keys)
+        same = first == second or (keys[-3:-2] == ("R",) and abs(first - second) <= SAME_ROTATION)
+        if not same and FILES.keys().isdisjoint(keys):
+            yield keys_text(keys), first, second
 
 
 def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
@@ -313,14 +309,27 @@ def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
         raise InputError(where, rule, key=key, value=value)
 
 
-def _leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
-    """Numbers and texts of JSON by their paths, but for those that say where a file is."""
+def leaves(value: Any, keys: Keys = ()) -> Iterator[tuple[Keys, Any]]:
+    """The keys that lead to each number and text of a value of JSON, and what stands there."""
     if not isinstance(value, dict | list):
-        yield key, value
+        yield keys, value
         return
-    for name, inside in value.items() if isinstance(value, dict) else enumerate(value):
-        if name not in FILES:
-            yield from _leaves(inside, f"{key}[{name}]" if isinstance(value, list) else joined(key, str(name)))
+    for key, inside in value.items() if isinstance(value, dict) else enumerate(value):
+        yield from leaves(inside, (*keys, key))
+
+
+def keys_text(keys: Keys) -> str:
+    """Keys as a path, such as `robots[0].base.xyz[1]`."""
+    return reduce(joined, (f"[{key}]" if isinstance(key, int) else key for key in keys), "")
+
+
+def named_files(keys: Mapping[str, Any]) -> dict[Keys, FileReference]:
+    """What the keys of a cell file say of all files that they name, by the keys on the way there."""
+    return {
+        place: FileReference(text, keys_text(place), FILES[place[-1]])
+        for place, text in leaves(keys)
+        if place[-1] in FILES and isinstance(text, str)
+    }
 
 
 def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
@@ -337,12 +346,9 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         InputError: If it leads to no number.
     """
     top = re.split(r"[.\[]", path)[0]
-    if top == "motion":
-        keys: Keys = ("motion",)
-        rest = path[len(top) :]
-    else:
-        keys = ("motion" if top in files.get("motion", {}) and top not in files["cell"] else "cell",)
-        rest = f".{path}"
+    of_motion = top == "motion" or (top in files.get("motion", {}) and top not in files["cell"])
+    keys: Keys = ("motion" if of_motion else "cell",)
+    rest = path[len(top) :] if top == "motion" else f".{path}"
     if keys[0] not in files:
         raise InputError("", "is of a motion: paths of a cell begin in its file.")
     if keys == ("motion",) and not files["motion"]:
@@ -361,14 +367,11 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
 
 def path_text(files: Mapping[str, Any], keys: Keys) -> str:
     """The path to a place as results name it: robots by name, numbers of the motion file after `motion`."""
-    text = "motion" if keys[0] == "motion" else ""
-    here = value_at(files, keys[:1])
-    for place, key in enumerate(keys[1:], start=1):
-        named = isinstance(key, int) and place == 2 and keys[1] == "robots"  # noqa: PLR2004 (cell, robots, this)
-        here = here[key]
-        word = here["name"] if named else key
-        text += f"[{word}]" if isinstance(word, int) else f".{word}" if text else word
-    return text
+    inside = keys[1:] if keys[0] == "cell" else keys
+    match keys:
+        case "cell", "robots", int(at), *_:
+            inside = ("robots", files["cell"]["robots"][at]["name"], *keys[3:])
+    return keys_text(inside)
 
 
 def value_at(files: Mapping[str, Any], keys: Keys) -> Any:
@@ -381,15 +384,7 @@ def value_at(files: Mapping[str, Any], keys: Keys) -> Any:
 
 def numbers_below(files: Mapping[str, Any], keys: Keys) -> Iterator[Keys]:
     """The places of all numbers at a place and inside of it."""
-    here = value_at(files, keys)
-    if is_number(here):
-        yield keys
-    elif isinstance(here, dict):
-        for key in here:
-            yield from numbers_below(files, (*keys, key))
-    elif isinstance(here, list):
-        for index in range(len(here)):
-            yield from numbers_below(files, (*keys, index))
+    return (place for place, value in leaves(value_at(files, keys), keys) if is_number(value))
 
 
 def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]) -> str:
@@ -397,30 +392,28 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
     words = [key for key in keys if isinstance(key, str)]
     if "variation" in words:
         return UNITS.get(words[words.index("variation") + 1], "")
-    if words[:2] == ["cell", "robots"] and isinstance(keys[2], int):
-        unit = _robot_unit(keys, words[2:], robots[keys[2]], wrench_units)
-        if unit is not None:
-            return unit
+    if "fixed" in words:
+        return ""
+    match keys:
+        case "cell", "robots", int(at), *_:
+            if unit := _robot_unit(keys, robots[at], wrench_units):
+                return unit
     if "acceleration" in words:
         return f"{BY_KEY.get(words[-1], 'm/s')}²"
     return next((BY_KEY[word] for word in words if word in BY_KEY), "")
 
 
-def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Sequence[str]) -> str | None:
-    index = keys[-1] if isinstance(keys[-1], int) else 0
-    if inside[0] == "fixed":
-        return ""
-    if inside[0] == "wrench" or "box" in inside:
+def _robot_unit(keys: Keys, robot: Robot, wrench_units: Sequence[str]) -> str:
+    """Unit of what a joint or a component of the wrench has; empty of all else."""
+    index, sliding = keys[-1] if isinstance(keys[-1], int) else 0, [kind == "prismatic" for kind in robot.joint_types]
+    if "wrench" in keys or "box" in keys:
         return wrench_units[index]
-    if inside[0] == "contact_rate":
+    if "contact_rate" in keys:
         return ("N/s", "N m/s")[index]
-    if "torque_speed" in inside:
-        curve = keys[-3] if isinstance(keys[-3], int) else 0
-        return OF_CURVE[robot.joint_types[curve] == "prismatic"][index]
-    if "frames" in inside:
-        return None
-    of_joint = next((OF_JOINT[word] for word in inside if word in OF_JOINT), None)
-    return None if of_joint is None else of_joint[robot.joint_types[index] == "prismatic"]
+    if "torque_speed" in keys:
+        return OF_CURVE[sliding[keys[-3] if isinstance(keys[-3], int) else 0]][index]
+    of_joint = next((OF_JOINT[key] for key in keys if key in OF_JOINT and "frames" not in keys), None)
+    return of_joint[sliding[index]] if of_joint else ""
 
 
 def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> None:
@@ -441,26 +434,26 @@ def set_value(file: Mapping[str, Any], keys: Keys, value: Any) -> None:
 
 
 def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[str | int, str]:
+    """The key that a path goes on with, and what is left of it."""
     where = path_text(files, keys) or "the cell file"
     if here is None:
         raise InputError("", NOTHING_THERE.format(where))
     if not isinstance(here, dict | list):
         raise InputError("", f"{where} is {here!r}; nothing stands inside of it.")
-    if isinstance(here, dict):
-        names: dict[str, str | int] = {key: key for key in here}
-        inside = "; ".join(here)
-    else:
+    if not here:
+        raise InputError("", f"{where} is empty.")
+    places: dict[str, str | int] = {}
+    if isinstance(here, list):
+        places = {f"[{at}]": at for at in range(len(here))}
         names = {each["name"]: at for at, each in enumerate(here) if isinstance(each, dict) and "name" in each}
-        inside = f"{where}[0] to {where}[{len(here) - 1}]"
-        index = re.match(r"\[(\d{1,9})\]", rest)
-        if index and int(index.group(1)) < len(here):
-            return int(index.group(1)), rest[index.end() :]
-    path = rest.removeprefix(".")
-    if not here or not names or path == rest:
-        raise InputError("", f"{where} has {len(here)} values: {inside}." if here else f"{where} is empty.")
-    fitting = [name for name in names if path == name or path.startswith((f"{name}.", f"{name}["))]
+    else:
+        names = {key: key for key in here}
+    places |= {f".{name}": key for name, key in names.items()}
+    fitting = [place for place in places if rest == place or rest.startswith((f"{place}.", f"{place}["))]
     if fitting:
-        name = max(fitting, key=len)  # names may hold dots
-        return names[name], path[len(name) :]
-    wrong = re.split(r"[.\[]", path)[0]
+        place = max(fitting, key=len)  # names may hold dots
+        return places[place], rest[len(place) :]
+    if isinstance(here, list) and (not names or rest.startswith("[")):
+        raise InputError("", f"{where} has {len(here)} values: {where}[0] to {where}[{len(here) - 1}].")
+    wrong = re.split(r"[.\[]", rest.removeprefix("."))[0] or rest
     raise InputError("", f"there is no '{wrong}' in {where}{did_you_mean(wrong, names)} There are {', '.join(names)}.")

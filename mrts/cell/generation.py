@@ -128,7 +128,7 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     described = _described(path)
     manifest = _manifest_as_made(path, described)
     if manifest is not None:
-        return manifest, _source_in_cache(manifest)
+        return manifest, _chains_folder(manifest.chains) / manifest.source
     manifest, source = generated_chains(cell_model(path))
     if _described(path) == described and is_as_made(path, manifest.cell):  # else a file was written meanwhile
         write_text_atomically(described, manifest.to_json(), private=True)
@@ -140,7 +140,7 @@ def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     manifest = _if_sound(described, partial(verified_manifest, described))
     if manifest is None or not is_as_made(path, manifest.cell):
         return None
-    return manifest if _is_source(_source_in_cache(manifest), manifest) else None
+    return manifest if _is_source(_chains_folder(manifest.chains) / manifest.source, manifest) else None
 
 
 def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
@@ -171,10 +171,6 @@ def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     folder = _chains_folder(cell.chains_key(CACHED_STEM))
     chains = _if_sound(folder / CHAINS_NAME, lambda text: ChainsRecord.model_validate(read_json(text)))
     return folder, chains if chains is not None and _is_source(folder / chains.source, chains) else None
-
-
-def _source_in_cache(manifest: CellManifest) -> Path:
-    return _chains_folder(manifest.chains) / manifest.source
 
 
 def _chains_folder(key: str) -> Path:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a hand can exert on the object: contacts, which are named two-sided rows over its wrench, by their kinds."""
 
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from inspect import Parameter, signature
@@ -69,14 +68,11 @@ class Contact(MadeAgain):
 
     def __post_init__(self) -> None:
         where = f"contact '{self.name}'"
-        columns = check_attributes(self, Contact, where)["w"]
+        check_attributes(self, Contact, where)
         if not self.name or self.name != "".join(self.name.split()):
             raise InputError("contact", "its name must be text without blanks.", key="name", value=self.name)
         if len({*self.rows}) < len(self.rows):
             raise InputError(where, "must have names of their own.", key="rows", value=self.rows)
-        if columns not in {3, len(WRENCH_COMPONENTS)}:
-            rule = "must have 6 columns (fx, fy, fz, nx, ny, nz), in a planar cell 3."
-            raise InputError(where, rule, key="A", value=self.A)
         limited = np.isfinite(self.lower) | np.isfinite(self.upper)
         sound = limited & (self.lower <= self.upper) & (self.lower < np.inf) & (self.upper > -np.inf)
         sound &= np.any(self.A != 0, axis=1) & np.all(np.abs(self.A) <= LARGEST_NUMBER, axis=1)
@@ -94,12 +90,8 @@ class Contact(MadeAgain):
 
 def numbered(kinds: Sequence[str]) -> list[str]:
     """Names of a robot's contacts from their kinds: "pad", and a second one "pad2"."""
-    seen: Counter[str] = Counter()
-    names = []
-    for kind in kinds:
-        seen[kind] += 1
-        names.append(kind if seen[kind] == 1 else f"{kind}{seen[kind]}")
-    return names
+    before = [list(kinds[:at]).count(kind) for at, kind in enumerate(kinds)]
+    return [f"{kind}{count + 1}" if count else kind for kind, count in zip(kinds, before, strict=True)]
 
 
 def triple_axes(components: Sequence[str]) -> list[int]:

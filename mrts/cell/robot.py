@@ -339,15 +339,12 @@ def check_plane_kept(robot: Robot, plane: str) -> None:
 
 def _checked_pose(where: str, key: str, given: RigidTransform) -> RigidTransform:
     R, p = as_array(f"{where}: {key}.R", given.R), as_array(f"{where}: {key}.p", given.p)
-    numbers = [*R.ravel().tolist(), *p.ravel().tolist()]
-    small = all(abs(number) <= LARGEST_NUMBER for number in numbers)
+    small = np.all(np.abs(np.append(R, p)) <= LARGEST_NUMBER)
     if R.shape != (3, 3) or p.shape != (3,) or not small or not is_rotation(R):
         rule = (
             "must have a rotation R with Shape (3, 3), R Rᵀ = I, det R = 1, and a position p with Shape (3,), each "
             f"number at most {LARGEST_NUMBER:.0e} in size."
         )
         raise InputError(where, rule, key=key, value=given)
-    if not any(isinstance(part, np.ndarray) and part.flags.writeable for part in (given.R, given.p)):
-        return given
     R.flags.writeable = p.flags.writeable = False
-    return RigidTransform(R, p)
+    return given if R is given.R and p is given.p else RigidTransform(R, p)

@@ -23,8 +23,7 @@ from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_text import MAX_YAML_BYTES, parse_yaml, yaml_text
 from mrts.cell.cell import Cell, load_cell
-from mrts.cell.cell_file import CellDescription
-from mrts.cell.cell_keys import ONE_FOR_ALL, Keys, cell_keys, set_value, value_at
+from mrts.cell.cell_keys import ONE_FOR_ALL, Keys, cell_keys, named_files, set_value, value_at
 from mrts.following.clearance import CollisionModel
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import NO_SPEED, JointTable
@@ -303,7 +302,7 @@ def read_study(path: Path | str) -> Study:
 
 
 def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
-    for keys, reference in CellDescription.read_file(path, "cell file").references.items():
+    for keys, reference in named_files(given).items():
         folder = path.resolve().parent
         file = str(reference.path(path, folder).absolute())
         yield StudyFile(keys, value_at(given, keys), file, reference.content(path, folder))

@@ -25,8 +25,9 @@ def read(kind: str, path: Path) -> None:
     """Read a file as its kind."""
     if kind == "cell":
         from mrts.cell.cell_file import CellDescription  # noqa: PLC0415 (not before it is needed)
+        from mrts.cell.cell_keys import named_files  # noqa: PLC0415
 
-        for reference in CellDescription.read_file(path, "cell file").references.values():
+        for reference in named_files(CellDescription.read_file(path, "cell file").model_dump()).values():
             reference.sha256(path, path.parent)
     elif kind == "urdf":
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
