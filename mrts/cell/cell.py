@@ -15,7 +15,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Remark, as_path, check_type, is_number
-from mrts.base.formats.record import Rule, dumped
+from mrts.base.formats.record import Rule
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import GEOMETRY, WRENCH_UNITS
 from mrts.base.notebook import InNotebooks, NotebookTable
@@ -31,14 +31,9 @@ from mrts.cell.generation import (
     motion_functions_of,
     read_to_generate,
 )
-from mrts.cell.record import CellRecord, read_generated
+from mrts.cell.record import CellRecord, other_functions, read_generated
 from mrts.cell.robot import JOINT_HEAD, check_plane_kept
 from mrts.kernel.cell_library import CellLibrary
-
-OF_CELL = ("name", "plane", "machines")
-
-OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
-"""Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
 
 IN_CHAINS = (
     "is part of the generated functions, so changing it in Python would be ignored there. Change the cell file (name, "
@@ -339,16 +334,9 @@ def cell_to_compile(path: Path | str) -> Cell | None:
 def _check_changes(cell: Cell) -> None:
     """Check that a cell is what its functions were generated with, and that arms keep to the rules of the file."""
     made = cell.generated.manifest.cell
-    ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
-    changed = [pair for pair in zip(cell.robots, made.robots, strict=False) if pair[0] is not pair[1]]
-    pairs = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
-    pairs.append(("robots", ours, theirs))
-    for robot, generated in changed:
-        where = f"robot '{robot.name}'"
-        pairs += [(f"{where} {name}", getattr(robot, name), getattr(generated, name)) for name in OF_CHAINS]
-    for key, one, other in pairs:
-        if one is not other and dumped(one) != dumped(other):
-            raise InputError("cell", IN_CHAINS, key=key)
+    if key := other_functions(cell, made):
+        raise InputError("cell", IN_CHAINS, key=key)
+    changed = [pair for pair in zip(cell.robots, made.robots, strict=True) if pair[0] is not pair[1]]
     if cell.plane is not None:
         for robot, _ in changed:
             check_plane_kept(robot, cell.plane)

@@ -73,7 +73,25 @@ class GeneratedFunctions(MadeAgain):
     @cached_property
     def library(self) -> CellLibrary:
         """The cell's library, compiled unless the cache holds it; of functions of the motion one that only follows."""
-        return _bound(self.manifest, self.origin)
+        manifest, origin = self.manifest, self.origin
+        if isinstance(origin, Path):
+            raise InputError(
+                origin,
+                f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not "
+                "hold: read it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
+                key="functions",
+            )
+        if "terms" not in manifest.functions:  # a library of following alone is compiled in a tenth of the time
+            return CellLibrary(manifest, compiled_library("motion", motion_source(manifest, origin), TRACKING_FILES))
+
+        @cache
+        def seldom(name: str) -> CDLL:
+            symbol = manifest.functions[name].symbol
+            return _checked(manifest, compiled_library(symbol, function_source(origin, symbol)), [name])
+
+        opened = compiled_library(manifest.source.removesuffix(".c"), cell_source(manifest, origin), CELL_FILES)
+        offer_programs(opened)
+        return CellLibrary(manifest, _checked(manifest, opened, manifest.functions.keys() - {*SELDOM}), seldom)
 
 
 def compiled_functions(manifest: CellManifest, source: Path) -> GeneratedFunctions:
@@ -84,27 +102,6 @@ def compiled_functions(manifest: CellManifest, source: Path) -> GeneratedFunctio
     except InputError as error:
         raise error.inside(source.with_name(MANIFEST_NAME)) from None
     return functions
-
-
-def _bound(manifest: CellManifest, origin: str | Path) -> CellLibrary:
-    if isinstance(origin, Path):
-        raise InputError(
-            origin,
-            f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: "
-            "read it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
-            key="functions",
-        )
-    if "terms" not in manifest.functions:  # a library of following alone is compiled in a tenth of the time
-        return CellLibrary(manifest, compiled_library("motion", motion_source(manifest, origin), TRACKING_FILES))
-
-    @cache
-    def seldom(name: str) -> CDLL:
-        symbol = manifest.functions[name].symbol
-        return _checked(manifest, compiled_library(symbol, function_source(origin, symbol)), [name])
-
-    library = compiled_library(manifest.source.removesuffix(".c"), cell_source(manifest, origin), CELL_FILES)
-    offer_programs(library)
-    return CellLibrary(manifest, _checked(manifest, library, manifest.functions.keys() - {*SELDOM}), seldom)
 
 
 def _checked(manifest: CellManifest, library: CDLL, functions: Iterable[str]) -> CDLL:

@@ -15,7 +15,18 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Remark
-from mrts.base.formats.record import MadeAgain, Name, Pose, Positive, Record, Rule, Shape, check_attributes, read_json
+from mrts.base.formats.record import (
+    MadeAgain,
+    Name,
+    Pose,
+    Positive,
+    Record,
+    Rule,
+    Shape,
+    check_attributes,
+    dumped,
+    read_json,
+)
 from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME, SMALLEST_NUMBER, read_text
 from mrts.base.load_box import LoadBox
@@ -199,6 +210,22 @@ class CellRecord(MadeAgain):
     def record(self) -> dict[str, Any]:
         """What a manifest says of it, by attribute."""
         return {field.name: getattr(self, field.name) for field in fields(CellRecord)}
+
+
+OF_CHAINS = ("joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
+"""Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
+
+
+def other_functions(one: CellRecord, other: CellRecord) -> str:
+    """What makes the generated functions of two cells differ, the first of it; empty if they are the same."""
+    pairs = [(name, getattr(one, name), getattr(other, name)) for name in ("plane", "name", "machines")]
+    pairs.append(("robots", *([robot.name for robot in cell.robots] for cell in (one, other))))
+    for ours, theirs in zip(one.robots, other.robots, strict=False):
+        if ours is not theirs:
+            where = f"robot '{ours.name}'"
+            pairs.append((f"{where} urdf", ours.source.sha256, theirs.source.sha256))
+            pairs += [(f"{where} {name}", getattr(ours, name), getattr(theirs, name)) for name in OF_CHAINS]
+    return next((key for key, *sides in pairs if sides[0] is not sides[1] and dumped(sides[0]) != dumped(sides[1])), "")
 
 
 class CellManifest(Manifest):

@@ -23,7 +23,7 @@ from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import manifest_of
 from mrts.cell.generation import GeneratedFunctions
-from mrts.cell.record import CellManifest, CellRecord
+from mrts.cell.record import CellManifest, other_functions
 from mrts.limits.rows import limit_name
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
 from mrts.scaling.scale import ScalingResult
@@ -207,24 +207,11 @@ def _own_limits(names: list[str]) -> str:
 
 
 def _generated_of(cell: Cell, saved: CellManifest, path: Path) -> GeneratedFunctions:
-    ours, theirs = (_made_from(one.cell) for one in (cell.generated.manifest, saved))
-    for key in theirs | ours:
-        if ours.get(key) != theirs.get(key):
-            raise InputError(
-                path,
-                f"cell '{cell.name}' is another one than the result was found with, '{saved.cell.name}': they differ "
-                f"in {key}. Read the cell file that it was found with.",
-                key="cell",
-            )
+    if what := other_functions(cell.generated.manifest.cell, saved.cell):
+        raise InputError(
+            path,
+            f"cell '{cell.name}' is another one than the result was found with, '{saved.cell.name}': they differ "
+            f"in {what}. Read the cell file that it was found with.",
+            key="cell",
+        )
     return cell.generated
-
-
-def _made_from(cell: CellRecord) -> dict[str, Any]:
-    """What a cell's functions depend on: not its limits, its load or its geometry."""
-    made: dict[str, Any] = {"plane": cell.plane}
-    for number, robot in enumerate(cell.robots):
-        source = robot.source
-        own: dict[str, Any] = {"urdf": source.sha256, "base_link": source.base_link, "tip_link": source.tip_link}
-        own |= {"held": dict(robot.held), "name": robot.name}
-        made |= {f"robots[{number}].{key}": value for key, value in own.items()}
-    return made | {"name": cell.name}

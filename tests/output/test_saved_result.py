@@ -105,7 +105,7 @@ def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
     (tmp_path / "heavier.urdf").write_text(text)
     description["robots"][1]["urdf"] = "heavier.urdf"
     (tmp_path / "heavier.yaml").write_text(yaml.safe_dump(description))
-    for cell, what in ((dual_ur5, "plane"), (casadi_cell(tmp_path / "heavier.yaml"), "robots.1.")):
+    for cell, what in ((dual_ur5, "plane"), (casadi_cell(tmp_path / "heavier.yaml"), "robot 'right' urdf")):
         with pytest.raises(mrts.InputError, match=rf"cell: .*they differ in {what}.* Read the cell file"):
             mrts.load_result(tmp_path / "result.npz", cell=cell)
     with pytest.raises(mrts.InputError, match=r"cell = .*: must be of type Cell or None; it is of type PosixPath\.$"):
