@@ -147,7 +147,7 @@ class Cell(InNotebooks, CellRecord):
         Returns:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
-        return self.library.map(name, samples, {GEOMETRY: self.geometry} | inputs)
+        return self.generated.library.map(name, samples, {GEOMETRY: self.geometry} | inputs)
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:

@@ -291,7 +291,8 @@ def differences(one: CellRecord, other: CellRecord) -> Iterator[tuple[str, Any, 
         for cell in (one, other)
     )
     for keys in dict.fromkeys([*numbers, *found]):
-        first, second = numbers.get(keys), found.get(keys)
+        first: Any = numbers.get(keys)
+        second: Any = found.get(keys)
         same = first == second or (keys[-3:-2] == ("R",) and abs(first - second) <= SAME_ROTATION)
         if not same and FILES.keys().isdisjoint(keys):
             yield keys_text(keys), first, second
