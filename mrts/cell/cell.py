@@ -130,7 +130,7 @@ class Cell(InNotebooks, CellRecord):
 
         return tuple(cell_remarks(self))
 
-    @property
+    @cached_property
     def library(self) -> CellLibrary:
         """What was compiled of it, and the kernel with it; see `GeneratedFunctions.library`."""
         return self.generated.library
@@ -147,7 +147,7 @@ class Cell(InNotebooks, CellRecord):
         Returns:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
-        return self.generated.library.map(name, samples, {GEOMETRY: self.geometry} | inputs)
+        return self.library.map(name, samples, {GEOMETRY: self.geometry} | inputs)
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:

@@ -191,7 +191,7 @@ class CellRecord(MadeAgain):
         """Rows of a six-component wrench or twist [x, y, z, about x, about y, about z] that it uses, w of them."""
         return [WRENCH_COMPONENTS.index(component) for component in self.wrench_components]
 
-    @property
+    @cached_property
     def wrench_components(self) -> tuple[str, ...]:
         """Names of the w components of a contact wrench."""
         return PLANE_COMPONENTS[self.plane]

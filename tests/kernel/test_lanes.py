@@ -82,7 +82,7 @@ def answers(request, tmp_path_factory):
 
     def found(library, at):
         count, c2, known = len(at), all_c2[at], {}
-        vars(plain.cell.generated)["library"] = library
+        vars(plain.cell)["library"] = library
         for kind, rows in (("plain", plain), ("more", more)):
             ranges, widening = np.zeros(count, dtype=range_record(library.unknowns)), np.zeros(count)
             status = np.zeros(count, dtype=np.uint8)
