@@ -450,11 +450,12 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
     else:
         names = {key: key for key in here}
     places |= {f".{name}": key for name, key in names.items()}
-    fitting = [place for place in places if rest == place or rest.startswith((f"{place}.", f"{place}["))]
+    ends = ("", ".", "[")
+    fitting = [at for at in places if rest.startswith(at) and (at[-1] == "]" or rest[len(at) : len(at) + 1] in ends)]
     if fitting:
         place = max(fitting, key=len)  # names may hold dots
         return places[place], rest[len(place) :]
     if isinstance(here, list) and (not names or rest.startswith("[")):
         raise InputError("", f"{where} has {len(here)} values: {where}[0] to {where}[{len(here) - 1}].")
-    wrong = re.split(r"[.\[]", rest.removeprefix("."))[0] or rest
+    wrong = re.split(r"(?!^)[.\[]", rest.removeprefix("."))[0]
     raise InputError("", f"there is no '{wrong}' in {where}{did_you_mean(wrong, names)} There are {', '.join(names)}.")
