@@ -70,7 +70,18 @@ class Options(EqualByNumbers):
             raise InputError("distribute", rule, value=self.distribute)
         check_type("formulation", self.formulation, str)
         check_solver(self.solver)
-        load = self._question(cell)
+        load = self.load
+        check_type("load", load, str)
+        if load == "auto":
+            load = "nominal" if cell.load_box is None else "guaranteed"
+        elif load != "nominal":
+            load_box(cell, load)
+        if load == "possible" and self.select is not None:
+            rule = (
+                "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the "
+                "guaranteed range, or give the cell a known load."
+            )
+            raise InputError("select", rule, value=self.select)
         weights = self.weights
         if weights is not None:
             torque_weights(weights, cell)
@@ -83,21 +94,6 @@ class Options(EqualByNumbers):
             if load == "possible":
                 raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=load)
         return replace(self, load=load, weights=weights, between=checked_tolerance(self.between))
-
-    def _question(self, cell: Cell) -> str:
-        check_type("load", self.load, str)
-        if self.load == "auto":
-            return "nominal" if cell.load_box is None else "guaranteed"
-        if self.load == "possible" and self.select is not None:
-            raise InputError(
-                "select",
-                "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the "
-                "guaranteed range, or give the cell a known load.",
-                value=self.select,
-            )
-        if self.load != "nominal":
-            load_box(cell, self.load)
-        return self.load
 
 
 def limited_cell(cell: Cell, reserve: float | None, limits: Sequence[Limit] | None) -> Cell:

@@ -285,10 +285,7 @@ class LoadStudy:
 
 
 def range_at_samples(
-    rows: MotionRows,
-    options: Options,
-    progress: Progress = lambda _done, _total: None,
-    high: float = np.inf,
+    rows: MotionRows, options: Options, progress: Progress = lambda _done, _total: None, high: float = np.inf
 ) -> tuple[ScalingRange, LoadStudy | None]:
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
 
@@ -406,11 +403,7 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
 
 
 def _searched(
-    rows: MotionRows,
-    box: LoadBox,
-    varying: tuple[str, ...],
-    best: SampleRanges,
-    progress: Progress,
+    rows: MotionRows, box: LoadBox, varying: tuple[str, ...], best: SampleRanges, progress: Progress
 ) -> tuple[SampleRanges, tuple[int, ...]]:
     """The best corner's range at every sample extended by loads inside the box, and the samples without convergence.
 

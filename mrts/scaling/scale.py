@@ -521,10 +521,7 @@ def scale(
 
 
 def chosen_factor(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    options: Options,
-    progress: Progress = lambda _done, _total: None,
+    cell: Cell, motion: CoordinatedMotion, options: Options, progress: Progress = lambda _done, _total: None
 ) -> tuple[ScalingResult, MotionRows]:
     """Steps 1 to 3 of MMTSF, `scale` before the torques are distributed: the result, and the limits along its motion.
 
@@ -541,10 +538,7 @@ def chosen_factor(
 
 
 def admissible_range(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    options: Options,
-    progress: Progress = lambda _done, _total: None,
+    cell: Cell, motion: CoordinatedMotion, options: Options, progress: Progress = lambda _done, _total: None
 ) -> tuple[ScalingResult, MotionRows, Callable[[float], Excess] | None]:
     """The range of c² of a motion within its rates (steps 1 and 2 of MMTSF), between its samples too.
 
