@@ -203,10 +203,10 @@ def _least_excess(timed: RetimingResult, part: TimedPiece, before: tuple[Retimin
 
 
 def _overstepped(timed: RetimingResult, part: TimedPiece, segment: int, place: int) -> ActiveRow | None:
-    played = between_path_samples(timed.cell, part, np.array([segment, segment]), PLACES[[place]])
-    rows = motion_rows(timed.cell, played, timed.options.sharing)
-    worst = max(timed.loads, key=lambda load: motion_widening(rows, np.ones(2), load)[0])
-    found = motion_ranges(rows, worst, 1.0).binding(0, "upper")
+    played = between_path_samples(timed.cell, part, np.array([segment]))
+    rows, one = motion_rows(timed.cell, played, timed.options.sharing), np.ones(played.samples)
+    worst = max(timed.loads, key=lambda load: motion_widening(rows, one, load)[place])
+    found = motion_ranges(rows, worst, 1.0).binding(place, "upper")
     return found[0] if found else None
 
 

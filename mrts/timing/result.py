@@ -483,23 +483,19 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
     return start, end
 
 
-def between_path_samples(
-    cell: Cell, part: TimedPiece, segments: NDArray[np.intp], places: Array = PLACES
-) -> CoordinatedMotion:
-    """The retimed motion inside some segments, dq/ds on the polynomials of `velocity_polynomials`, by one foreign call.
+def between_path_samples(cell: Cell, part: TimedPiece, segments: NDArray[np.intp]) -> CoordinatedMotion:
+    """The retimed motion at `PLACES` inside some segments, with dq/ds on the polynomials of `velocity_polynomials`.
 
     Args:
         segments: Which, in order, Shape (s,).
-        places: Where in each segment, in (0, 1), Shape (p,).
 
     Returns:
         The motion at p s samples, segment after segment; its time is the path parameter, from the first place on.
     """
     path, library = part.piece.path, cell.library
-    weights = AT_PLACES if places is PLACES else polynomial_weights(places)
     joints = {"time": path.object.time, "q": path.q, "dq": path.dq, "ddq": path.ddq}
-    along = filled(JOINT_PATH, **joints, weight=weights, at=places, whole=WHOLE_WAY, places=len(places))
-    count = len(places) * len(segments)
+    along = filled(JOINT_PATH, **joints, weight=AT_PLACES, at=PLACES, whole=WHOLE_WAY, places=len(PLACES))
+    count = len(PLACES) * len(segments)
     found = [np.empty((count, *shape)) for shape in [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]]
     library.opened.mrts_path_places(count, along, part.x, part.rates, cell.geometry, segments, cell.wrench_rows, *found)
     s, q, dq, ddq, position, rotation, twist, acceleration = found
