@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A motion played with a speed that varies along its path, what limits it, or why there is none."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -303,11 +303,15 @@ class RetimingResult(Result):
     @cached_property
     def limits(self) -> list[tuple[str, float]]:
         """What limits the speed, for which share of the duration, most first."""
-        shares: dict[str, float] = {}
+        return self._shares(str)
+
+    def _shares(self, told: Callable[[ActiveRow | RowName], Any]) -> list[tuple[Any, float]]:
+        """For which share of the duration something told of rows limits the speed, most first."""
+        shares: dict[Any, float] = {}
         for rows, share in self.segment_limits:
-            for name in dict.fromkeys(map(str, rows)):
-                shares[name] = shares.get(name, 0.0) + share
-        return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))
+            for what in dict.fromkeys(map(told, rows)):
+                shares[what] = shares.get(what, 0.0) + share
+        return sorted(shares.items(), key=lambda entry: (-entry[1], str(entry[0])))
 
     @cached_property
     def segment_limits(self) -> list[tuple[tuple[ActiveRow | RowName, ...], float]]:
@@ -329,11 +333,7 @@ class RetimingResult(Result):
 
     def setting_rows(self) -> list[RowName]:
         """What limits the speed somewhere along the path, by falling share of the duration."""
-        shares = dict.fromkeys((use.name for use in self.uses), 0.0)
-        for told, share in self.segment_limits:  # the two sides of a row apart: both do not bind at once
-            for name in shares:
-                shares[name] += share * any((row if isinstance(row, RowName) else row.name) == name for row in told)
-        return sorted((name for name in shares if shares[name] > 0), key=lambda name: -shares[name])
+        return [name for name, _ in self._shares(lambda row: row if isinstance(row, RowName) else row.name)]
 
     def _binding(self, part: TimedPiece) -> Sequence[Iterable[ActiveRow | RowName]]:
         """The limits that bind on every segment; those of a smooth timing are reached.
