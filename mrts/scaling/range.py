@@ -137,12 +137,6 @@ class ScalingRange:
         """Both ends in words, such as `[0, 3.062]`."""
         return interval_text(self.lower.c2, self.upper.c2, digits=digits)
 
-    def admitted(self, c2: float, tolerance: float) -> float | None:
-        """The c² of the range that a given one stands for: itself, or the end that it misses by a share; else None."""
-        low, high = self.lower.c2, self.upper.c2
-        near = self.status.admits_motion and low * (1 - tolerance) <= c2 <= high * (1 + tolerance)
-        return min(max(c2, low), high) if near else None
-
     def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """Rows that bind at one end of a sample; all of them where it sets the range."""
         end = self.lower if side == "lower" else self.upper

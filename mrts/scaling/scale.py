@@ -286,6 +286,17 @@ class ScalingResult(Result):
         rows = self.options.rows(self.cell.with_reserve(0.0), self.motion)
         return plan_reserve(rows, self.trajectory.c2, self.loads)
 
+    def admitted(self, c2: float, tolerance: float = 0.0) -> float | None:
+        """The admissible c² that a given one stands for: itself, or an end that it misses by a share; None without one.
+
+        Where samples admit several intervals, slower ones than the range are looked at too.
+        """
+        found = self.range
+        low, high = found.lower.c2, found.upper.c2
+        if found.status.admits_motion and low * (1 - tolerance) <= c2 <= high * (1 + tolerance):
+            return min(max(c2, low), high)
+        return c2 if found.samples.several and c2 < low and conflict_at(self, c2) is None else None
+
     def at_rate(self, rate: float) -> "ScalingResult":
         """The plan at the rate of a controller: the same motion at equal steps, with torques found there.
 
@@ -315,7 +326,7 @@ class ScalingResult(Result):
         for _ in range(ATTEMPTS):
             motion = _sampled(self, steps, float(rate))
             found, _, excess_at = admissible_range(done.cell, motion, options)
-            ends, c2 = found.range, found.range.admitted(1.0, END_TOLERANCE)
+            ends, c2 = found.range, found.admitted(1.0, END_TOLERANCE)
             if c2 is None:
                 refused = SelectionError(f"at {rate:g} Hz: {found.sentence()}", found)
                 least, most = ends.lower.c2, ends.upper.c2
@@ -596,18 +607,6 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
     return worst
 
 
-def admitted_factor(result: ScalingResult, c2: float, tolerance: float = 0.0) -> float | None:
-    """The admissible c² that a given one stands for: itself, or an end that it misses by a share; None without one.
-
-    Where samples admit several intervals, slower ones than the range are looked at too.
-    """
-    found = result.range
-    near = found.admitted(c2, tolerance)
-    if near is None and found.samples.several and c2 < found.lower.c2 and conflict_at(result, c2) is None:
-        return c2
-    return near
-
-
 def choose_c2(result: ScalingResult, rows: MotionRows) -> float:
     """Step 3.1 of MMTSF: choose c² in the admissible range of a result, as its options say.
 
@@ -627,7 +626,7 @@ def choose_c2(result: ScalingResult, rows: MotionRows) -> float:
     c2 = float(select) if is_number(select) else np.inf
     if not 0 < c2 < np.inf:
         raise refused(f"{select} is no c² of a speed: it must be finite and > 0.")
-    admitted = admitted_factor(result, c2, END_TOLERANCE)
+    admitted = result.admitted(c2, END_TOLERANCE)
     if admitted is None:
         raise refused(f"c² = {c2:g} is outside this range{_passed(result, c2)}")
     if rates is not None and admitted not in {found.lower.c2, found.upper.c2}:
@@ -673,7 +672,7 @@ def torques_for_load(result: ScalingResult, load: Array) -> ScalingResult:
     cell, options, c2 = result.cell.with_load(load), result.options, result.c2
     of_load = replace(options, load="nominal", between=None, rates=None)
     own, rows, _ = admissible_range(cell, result.motion, of_load)
-    if admitted_factor(own, c2, END_TOLERANCE) is None:
+    if own.admitted(c2, END_TOLERANCE) is None:
         raise SelectionError(f"c² = {c2:g} does not suit this load: {own.sentence()}", own)
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
     excess = result.excess if options.load == "guaranteed" else None

@@ -29,7 +29,7 @@ from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import motion_torques, torque_weights, torques_by_blocks
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.scale import LIMIT_TOLERANCE, ScalingResult, SelectionError, admitted_factor, scale
+from mrts.scaling.scale import LIMIT_TOLERANCE, ScalingResult, SelectionError, scale
 from mrts.scaling.scaled_trajectory import LimitUse, ScaledTrajectory, by_share
 from mrts.scene.scene import Scene
 from mrts.timing.result import RetimingResult
@@ -169,7 +169,7 @@ class PlayerState:
     @property
     def admissible(self) -> bool:
         """Whether the chosen speed is in the range; a smooth timing keeps its rates at its own speed only."""
-        return self.plan is self.found or admitted_factor(self.result, self.trajectory.c2) is not None
+        return self.plan is self.found or self.result.admitted(self.trajectory.c2) is not None
 
     def violations(self) -> list[LimitUse]:
         """Limits that are passed at some sample, the worst first."""
@@ -208,7 +208,7 @@ def _trajectory(result: ScalingResult, c2: float) -> ScaledTrajectory:
     cell, motion, options, done = result.cell, result.motion, result.options, result.trajectory
     if done is not None and done.c2 == c2:
         return done
-    if admitted_factor(result, c2) is None:
+    if result.admitted(c2) is None:
         torque, wrench = widened_torques(cell, motion, options, c2)
     else:
         rows, weights = options.rows(cell, motion), torque_weights(options.weights, cell)

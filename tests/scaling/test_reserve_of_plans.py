@@ -56,7 +56,7 @@ def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
     inside, outside = 0.0, 1 - BISECTION
     while outside - inside > BISECTION:
         middle = (inside + outside) / 2
-        admitted = mrts.scale(cell, motion, reserve=middle, **asked).range.admitted(c2, 0.0)
+        admitted = mrts.scale(cell, motion, reserve=middle, **asked).admitted(c2)
         inside, outside = (inside, middle) if admitted is None else (middle, outside)
     print(asked, "reserve", reserve, "bisection", inside)
     assert reserve.share == pytest.approx(inside, abs=BISECTION)
