@@ -154,31 +154,28 @@ class ScalingRange:
 
     def reason(self) -> str:
         """Why no c² is admissible, in a few words; empty if some is."""
-        conflicts = self.samples.conflicts
+        conflicts, slow, fast = self.samples.conflicts, self.lower, self.upper
+        if self.status.admits_motion:
+            return ""
         if self.status is RangeStatus.INFEASIBLE:
             worst = max(conflicts, key=lambda conflict: conflict.widening)
             where = f"at {len(conflicts)} of {len(self.samples.time)} samples"
             return f"{where}; at t = {worst.time:.4g} s{worst.with_load} {row_labels(worst.rows)} conflict"
-        return self._contradiction().rstrip(".")
+        rated = any(row.name.kind in RATES for row in (*slow.rows, *fast.rows))
+        text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}"
+        return f"a rate is too small: {text}" if rated else text
 
     def explain(self) -> str:
         """Why no c² is admissible (the message of step 3.2); empty if some is."""
-        conflicts, text = self.samples.conflicts, self._contradiction()
+        conflicts, text = self.samples.conflicts, f"{self.reason()}."
+        if self.status.admits_motion:
+            return ""
         if self.status is RangeStatus.INFEASIBLE:
             worst = max(conflicts, key=lambda conflict: conflict.widening)
             text = f"{len(conflicts)} of {len(self.samples.time)} samples are infeasible. The worst: {worst}."
-        elif text and self.samples.several:
+        elif self.samples.several:
             text += " Of several intervals of a sample its highest is meant: lower ones have nothing in common either."
-        return text and f"{text} {self.status.advice}"
-
-    def _contradiction(self) -> str:
-        """Why no c² is in all ranges: the least of one sample is above the largest of another; empty if some is."""
-        slow, fast = self.lower, self.upper
-        if self.status is not RangeStatus.EMPTY:
-            return ""
-        text = f"c² must be at least {slow.c2:.6g} {slow.place()}, but at most {fast.c2:.6g} {fast.place()}."
-        rated = any(row.name.kind in RATES for row in (*slow.rows, *fast.rows))
-        return f"a rate is too small: {text}" if rated else text
+        return f"{text} {self.status.advice}"
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:
