@@ -376,8 +376,8 @@ class RetimingResult(Result):
             timed = fastest_timing(replace(asked, cell=cell, given=motion), motion)
             if not timed.status.admits_motion:
                 return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
-            limits = dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits)
-            return SpeedAnswer(status="feasible", duration=timed.duration, limits=tuple(limits))
+            limits = tuple(dict.fromkeys(name.short for name in timed.setting_rows()))
+            return SpeedAnswer(status="feasible", duration=timed.duration, limits=limits)
 
         return self.cell, self.motion, answer
 
