@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, Progress, check_callable, check_type, is_number
+from mrts.base.errors import InputError, Progress, Remark, check_callable, check_type, is_number
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import ClosureBound, coordinate
@@ -116,9 +116,11 @@ def retime(
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         found = smooth_timing(fastest, goal, progress)
         return _played(found, partial(motion_remarks, cell, given, given)) if found.pieces else found
-    if first.duration is None or fastest.duration is None:
+    if not fastest.pieces:
         return fastest
-    told = interpolated(given, fastest.duration / first.duration - 1, "the timing {} longer")
+    told = tuple[Remark, ...]()
+    if fastest.motion is not first.motion and first.duration and fastest.duration:
+        told = interpolated(given, fastest.duration / first.duration - 1, "the timing {} longer")
     return _played(fastest, partial(motion_remarks, cell, given, fastest.motion, told))
 
 
