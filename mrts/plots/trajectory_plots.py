@@ -193,7 +193,8 @@ def percent_panel(of: LimitShares, time: Array) -> Panel:
 
 def by_unit(found: LimitedQuantities) -> list[LimitedQuantities]:
     """Those of each unit."""
-    return [found.only([one == unit for one in found.units]) for unit in dict.fromkeys(found.units)]
+    units = [name.unit for name in found.rows]
+    return [found.only([one == unit for one in units]) for unit in dict.fromkeys(units)]
 
 
 def quantities_panel(time: Array, drawn: LimitedQuantities, below: Sequence[Line] = ()) -> Panel:
@@ -202,9 +203,9 @@ def quantities_panel(time: Array, drawn: LimitedQuantities, below: Sequence[Line
     what = QUANTITIES[first.kind][first.unit]
     lines = [
         Line(
-            x=time, y=drawn.values[:, k], label=name, unit=first.unit,
+            x=time, y=drawn.values[:, k], label=name.element, unit=first.unit,
             lower=drawn.lower[:, k], upper=drawn.upper[:, k], **look(k) | solid,
         )
-        for k, name in enumerate(drawn.names)
+        for k, name in enumerate(drawn.rows)
     ]  # fmt: skip
     return curves_panel(f"{first.robot}: {what}", f"{what} [{first.unit}]", lines, below)

@@ -124,16 +124,6 @@ class LimitedQuantities:
     unit: Array
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Joint, wrench component, or what else the rows call their elements."""
-        return tuple(name.element for name in self.rows)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """One a quantity."""
-        return tuple(name.unit for name in self.rows)
-
-    @property
     def of_circles(self) -> Self:
         """Of the sides of each polygon the first, with what its circle limits: the size of a norm."""
         polygon = list(polygons(self.rows).values())
@@ -160,9 +150,9 @@ class LimitedQuantities:
         """Those of one kind and one robot, as in `RowName`; torques within what their motors' lines leave."""
         chosen = self.only([(name.kind, name.robot) == (kind, robot) for name in self.rows])
         if kind == "torque":
-            lines = self.of(TORQUE_SPEED, robot)
-            for row, name in enumerate(lines.names):
-                joint = chosen.names.index(name)
+            lines, joints = self.of(TORQUE_SPEED, robot), [name.element for name in chosen.rows]
+            for row, name in enumerate(lines.rows):
+                joint = joints.index(name.element)
                 chosen.lower[:, joint] = np.maximum(chosen.lower[:, joint], lines.lower[:, row])
                 chosen.upper[:, joint] = np.minimum(chosen.upper[:, joint], lines.upper[:, row])
         return chosen
