@@ -47,9 +47,6 @@ INERT = 1e-12
 AT_END = 1e-6
 """Share of c² within which it is at an end of what a sample admits: ends that tie are right to 1e-7."""
 
-GRID_POINTS = 51
-"""Loads of `grid` where no number is given."""
-
 LARGEST_GRID = 10_000
 
 
@@ -346,12 +343,12 @@ def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
     Raises:
         InputError: If it is another question, or the mass does not vary.
     """
-    match = re.fullmatch(r"grid(?::([0-9]{1,9}))?", question)
+    match = re.fullmatch(r"grid:([0-9]{1,9})", question)
     if not match:
         raise InputError("load", "must be nominal, guaranteed, possible, or grid:N such as grid:51.", value=question)
     if "mass" not in box.varying:
         raise InputError("load", "a grid runs along the mass, which does not vary in this cell.", value=question)
-    count = int(match.group(1) or GRID_POINTS)
+    count = int(match[1])
     if not 2 <= count <= LARGEST_GRID:  # noqa: PLR2004 (both ends)
         raise InputError("load", f"a grid takes 2 to {LARGEST_GRID} masses.", value=question)
     factors = np.linspace(*box.ranges["mass"], count).tolist()

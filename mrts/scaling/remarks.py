@@ -235,7 +235,7 @@ def _passing(uses: list[LimitUse], code: str, advice: str) -> tuple[Remark, ...]
     worst, *others = passed
     also = f"; {len(others)} more pass theirs" if others else ""
     text = (
-        f"{worst.name} reaches {worst.size:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
+        f"{worst.name} reaches {max(-worst.least, worst.largest):.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
         f"{100 * worst.share:.0f} % of its limit{also}. {advice}"
     )
     return (Remark(code, text),)

@@ -75,11 +75,6 @@ class LimitUse:
         return self.name.failure or str(self.name)
 
     @property
-    def size(self) -> float:
-        """The largest value without its sign."""
-        return max(-self.least, self.largest)
-
-    @property
     def percent(self) -> str:
         """The share that is used, in words."""
         return f"{round(100 * self.share, 1):g} %"

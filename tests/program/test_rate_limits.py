@@ -82,7 +82,7 @@ def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, l
         np.testing.assert_allclose(found, [share for share in values if share > 0], rtol=1e-12)
     worst = max(uses.values(), key=lambda use: use.share)
     (warning,) = (one for one in reported.warnings if one.code == "rate-passed")
-    assert f"{worst.name} reaches {worst.size:.4g} {worst.name.unit}" in warning.text
+    assert f"{worst.name} reaches {max(-worst.least, worst.largest):.4g} {worst.name.unit}" in warning.text
     kept = mrts.scale(with_all_rates(planar_cell), lift, rates=True)
     assert kept.trajectory.c2 < done.c2
     assert kept.rate_uses[0].share == pytest.approx(1, abs=2 * RATE_MARGIN)
