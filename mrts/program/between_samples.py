@@ -224,8 +224,7 @@ def _doubt(known: Array, allowed: tuple[float, float] | None) -> Array:
     step = time[1:] - time[:-1]
     if allowed is None or len(step) == 1:
         return np.full(len(step), 0.0 if allowed is None else np.inf)
-    with np.errstate(divide="ignore"):
-        both = np.array([1 / upper, lower])
+    both = np.array([1 / upper, lower])
     slope = (both[:, 1:] - both[:, :-1]) / step
     change = np.abs(slope[:, 1:] - slope[:, :-1])
     around = np.concatenate([change[:, :1], change], axis=1) + np.concatenate([change, change[:, -1:]], axis=1)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
@@ -152,17 +152,16 @@ class SampleRanges:
 
     def to_json(self) -> dict[str, Any]:
         """Entry of "samples" in the JSON result; null stands for an end that does not exist."""
-        ends = {"c2_lower": self.lower, "c2_upper": self.upper}
         return {
             "time": self.time.tolist(),
             "status": [status.value for status in self.status],
-            **{name: [c2 if np.isfinite(c2) else None for c2 in values.tolist()] for name, values in ends.items()},
+            "c2_lower": without_infinity(self.lower),
+            "c2_upper": without_infinity(self.upper),
         }
 
 
 BINDING_TOLERANCE = 1e-7
 """A row binds if its multiplier exceeds this share of the largest."""
-
 
 RangeEnds = NDArray[np.void]
 """Least and largest c² of N samples, Shape (N,): of the highest interval where a sample admits several. Fields:
@@ -284,18 +283,16 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
 
     `find` gives the highest one of each sample up to a c² of its own, Shape (N,), first up to `most`.
     """
-    found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    highest = found["below"]
+    found = find(most)
+    highest = found["below"].copy()
     for _ in range(MOST_INTERVALS):
-        above = (found["below"] > 0) & (found["lower"] > high) & ~lowest
-        if not np.any(above):
+        above = (found["below"] > 0) & (found["lower"] > high)
+        if not above.any():
             break
-        tried = np.where(above, found["below"], most)
-        further = find(tried)
-        nothing = above & (further["status"] == INFEASIBLE)
-        lowest |= nothing
-        if not np.any(nothing):
-            most, found = tried, further
+        further = find(np.where(above, found["below"], most))
+        some = above & (further["status"] != INFEASIBLE)
+        found["below"][above] = 0.0
+        found[some] = further[some]
     found["below"] = highest
     return found
 
@@ -377,8 +374,8 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
 def motion_ranges(rows: MotionRows, load: Array | None = None, high: float = np.inf) -> SampleRanges:
     """Least and largest c² at every sample (step 1 of MMTSF), by the compiled path where it applies.
 
-    A load stands instead of the cell's, Shape (10,). Of several intervals it is the
-    highest that does not begin above `high`.
+    A load stands instead of the cell's, Shape (10,). Of several intervals it is the highest that does not begin above
+    `high`.
     """
     time, asked = rows.motion.object.time, (rows.cell, rows.motion, rows.sharing, load)
     if rows.solver != DEFAULT_SOLVER or not rows.compiled:
