@@ -27,6 +27,13 @@ from mrts.motion.object_motion import ObjectMotion
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 """Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""
 
+POLYNOMIALS = np.zeros((5, 3, 4))
+"""Coefficients, by rising power, of their integrals from 0, of themselves and of their slopes."""
+
+for power, coefficients in enumerate(HERMITE.T):
+    POLYNOMIALS[power + 1, 0], POLYNOMIALS[power, 1] = coefficients / (power + 1), coefficients
+    POLYNOMIALS[power - 1, 2] += power * coefficients
+
 SAME_COURSE = 1e-9
 """How far a course may be from the samples [m and per s, of the largest]: further, it is that of another motion."""
 
@@ -53,7 +60,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
     if motion.course is None and known is None and not of_path:
         # accelerations that were given may jump, and lie between those of the samples
         inside = (*inside[:2], np.column_stack([np.interp(time, given.time, column) for column in motion.ddq.T]))
-    elif motion.course is None and isinstance(given.course, ProfiledPath):
+    elif motion.course is None and isinstance(given.course, ProfiledPath) and given.course.profile in CORNERS:
         _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     travel = _travel(motion, dq, [0, -1])
@@ -112,9 +119,9 @@ def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: A
     end = start + 1
     step = (known[end] - known[start])[:, None]
     u = (at - known[start]) / step[:, 0]
-    ends = np.array([dq[start], step * ddq[start], dq[end], step * ddq[end]])
-    way, rate, change = np.einsum("kcb,bkm->ckm", polynomial_weights(u), ends)
-    missed = q[end] - q[start] - step * np.einsum("b,bkm->km", WHOLE_WAY, ends)
+    ends = np.stack([dq[start], step * ddq[start], dq[end], step * ddq[end]], axis=1)
+    way, rate, change = (polynomial_weights(u) @ ends).swapaxes(0, 1)
+    missed = q[end] - q[start] - step * (WHOLE_WAY @ ends)
     return q[start] + step * way + u[:, None] * missed, rate, change / step
 
 
@@ -123,10 +130,7 @@ def polynomial_weights(u: Array) -> Array:
 
     Of its way / h, q' and h q'': Shape (k, 3, 4).
     """
-    powers, u = np.arange(4), u[:, None]
-    raised = u**powers
-    lowered = np.where(powers > 0, powers * u ** np.maximum(powers - 1, 0), 0.0)
-    weights: Array = np.stack([raised * u / (powers + 1), raised, lowered], axis=1) @ HERMITE.T
+    weights: Array = np.tensordot(np.vander(u, len(POLYNOMIALS), increasing=True), POLYNOMIALS, 1)
     return weights
 
 
@@ -143,7 +147,7 @@ def _across_corners(
 ) -> None:
     """Put joints in gaps at a corner of the profile on polynomials in the share of the path, smooth where s'' jumps."""
     u, end = known / course.duration, np.searchsorted(known, at, side="right")
-    corners = np.array(CORNERS.get(course.profile, ()))
+    corners = np.array(CORNERS[course.profile])
     moving = (end > 1) & (end < len(known) - 1)
     end = np.minimum(end, len(known) - 1)
     reached = (u[end - 1, None] <= corners + CORNER_TOLERANCE) & (corners - CORNER_TOLERANCE <= u[end, None])
