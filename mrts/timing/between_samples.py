@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: MIT
 """How far a retimed motion oversteps limits between the samples at which they were kept, and samples against that."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
@@ -83,13 +82,11 @@ def refined_timing(
         if not timed.pieces:
             return timed
         shares, worst = excess_between(timed, tolerance, before)
-        before, share = (timed, shares), np.zeros(timed.motion.samples - 1)
-        for part, its in zip(timed.pieces, shares, strict=True):
-            own = share[part.piece.first :][: len(its)]
-            own[:] = its.T.copy().max(axis=0)  # faster by places than by segments
-            if adds and turn == 0 and part.profile:
-                sharp = _turns(part.piece) / SHARP
-                own[sharp > 1] = np.maximum(own, tolerance * sharp**2)[sharp > 1]
+        before, is_fastest = (timed, shares), timed.pieces[0].profile is not None
+        share = np.concatenate([its.T.copy().max(axis=0) for its in shares])  # faster by places than by segments
+        if adds and turn == 0 and is_fastest:
+            sharp = _sharpness([part.piece for part in timed.pieces])
+            share = np.where(sharp > 1, np.maximum(share, tolerance * sharp**2), share)
         if worst.share < least.share:
             best, least, stalled = timed, worst, 0
         else:
@@ -97,38 +94,32 @@ def refined_timing(
         if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not (share > tolerance).any():
             break
         share = np.where(share > NEAR * tolerance, share, 0.0)
-        if timed.pieces[0].profile:  # of a fastest timing, whose switches move out of a segment that is divided
+        if is_fastest:  # its switches move out of a segment that is divided
             beside = np.pad(share, 1)
             share = np.max([beside[:-2], share, beside[2:]], axis=0)
-        segment = share.nonzero()[0]
-        count = np.ceil(np.sqrt(share[segment] / tolerance)).clip(2, PARTS).astype(int)  # excess goes as its square
-        if timed.motion.samples + np.sum(count - 1) > most:
+        parts = np.where(share > 0, np.ceil(np.sqrt(share / tolerance)).clip(2, PARTS), 1)  # excess goes as its square
+        if timed.motion.samples + np.sum(parts - 1) > most:
             break
-        timed = again(_divided(timed.cell, timed.motion, segment, count), timed)
+        timed = again(_divided(timed.cell, timed.motion, parts), timed)
     status = RetimingStatus(f"{best.status.value}{ONLY_AT_SAMPLES}") if least.passes else best.status
     return replace(best, status=status, excess=least)
 
 
 def without_sharp_turns(cell: Cell, motion: CoordinatedMotion) -> CoordinatedMotion:
     """A motion with its sharp turns divided, which may admit no speed as they are."""
-    turn = np.zeros(motion.samples - 1)
-    for piece in path_pieces(cell, motion):
-        own = _turns(piece)
-        turn[piece.first :][: len(own)] = own
-    count = np.ceil(turn / SHARP).clip(1, PARTS).astype(int)
-    segment = np.flatnonzero(count > 1)
-    return _divided(cell, motion, segment, count[segment])
+    return _divided(cell, motion, np.ceil(_sharpness(path_pieces(cell, motion))).clip(1, PARTS))
 
 
-def _turns(piece: PathPiece) -> Array:
-    return root_mean_square(np.diff(piece.path.dq, axis=0))
+def _sharpness(pieces: Sequence[PathPiece]) -> Array:
+    """How far each segment of a path turns, as a multiple of what is `SHARP`."""
+    return np.concatenate([root_mean_square(np.diff(piece.path.dq, axis=0)) for piece in pieces]) / SHARP
 
 
-def _divided(
-    cell: Cell, motion: CoordinatedMotion, segment: NDArray[np.int_], count: NDArray[np.int_]
-) -> CoordinatedMotion:
-    time, segment = motion.object.time, np.repeat(segment, count - 1)
-    place = np.concatenate([np.zeros(0), *(np.arange(1, of) / of for of in count.tolist())])
+def _divided(cell: Cell, motion: CoordinatedMotion, parts: Array) -> CoordinatedMotion:
+    """The motion with its segments divided into some parts each."""
+    time, count = motion.object.time, parts.astype(int)
+    segment = np.repeat(np.arange(len(count)), count - 1)
+    place = np.concatenate([np.zeros(0), *(np.arange(1, of) / of for of in count[count > 1].tolist())])
     return with_samples(cell, motion, time[segment] * (1 - place) + time[segment + 1] * place)
 
 
