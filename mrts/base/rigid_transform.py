@@ -169,14 +169,6 @@ def vectors_from_rotations(R: Array) -> Array:
     return vectors
 
 
-def angles_of_rotations(R: Array) -> Array:
-    """Angles from 0 to π, Shape (…,) [rad], of rotations, Shape (…, 3, 3): the lengths of `vectors_from_rotations`."""
-    x, y, z = R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]
-    cosine = R[..., 0, 0] + R[..., 1, 1] + R[..., 2, 2] - 1
-    angles: Array = np.arctan2(np.sqrt(x * x + y * y + z * z), cosine)  # 2 sin and 2 cos
-    return angles
-
-
 def is_rotation(R: Array) -> bool:
     """Whether a matrix, Shape (3, 3), is a rotation."""
     x, y, z = R.tolist()  # numbers of Python: cells are made by the thousand

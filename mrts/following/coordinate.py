@@ -10,16 +10,17 @@ from typing import Annotated
 
 import numpy as np
 
-from mrts.base.arrays import Array, rotated, row_products
+from mrts.base.arrays import Array, cross, rotated
 from mrts.base.errors import InputError, MotionError, Remark, check_type
 from mrts.base.formats.record import Rule, check_attributes
 from mrts.base.manifest import GEOMETRY
-from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
+from mrts.base.rigid_transform import rotations_from_vectors, vectors_from_rotations
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, carried_by_first, follow_object
 from mrts.following.joint_columns import MOST_NAMED, required_columns
-from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits, check_regular, joints_on_grasps, tip_rates
+from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits, check_regular, joints_on_grasps, solve_grasps
 from mrts.kernel.tracking import closure_sizes
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -119,16 +120,9 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     return close_chain(cell, given, bound, str(table.path), carried=True)
 
 
-def grasp_gaps(cell: Cell, given: ObjectMotion, carried: list[ObjectMotion]) -> Array:
-    """Distances [m] and angles [rad] between the tips and their grasps on an object, Shape (2, n, N).
-
-    Each tip is where it is by the object that it carries (`carried_by_each`).
-    """
-    gaps = np.empty((2, len(carried), len(given.time)))
-    for index, (robot, own) in enumerate(zip(cell.robots, carried, strict=True)):
-        gap = own.position - given.position + rotated(own.rotation - given.rotation, robot.T_object_tip.p)
-        off = given.rotation @ own.rotation.transpose(0, 2, 1)
-        gaps[:, index] = np.sqrt(row_products(gap, gap)), angles_of_rotations(off)
+def grasp_gaps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
+    """Distances [m] and angles [rad] between the tips and their grasps on an object, Shape (2, n, N), at N joints q."""
+    gaps: Array = np.swapaxes(solve_grasps(cell, target, slice(None), q, 1)[1:3], 1, 2)
     return gaps
 
 
@@ -138,6 +132,20 @@ def _worst(gaps: Array, bound: ClosureBound) -> tuple[int, int, float, str]:
     robot, sample = (int(place) for place in np.unravel_index(int(np.argmax(share)), share.shape))
     text = "{:.3g} m and {:.3g} rad".format(*gaps[:, robot, sample])
     return robot, sample, float(share[robot, sample]), text
+
+
+def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
+    """Velocity and acceleration of a grasp in the robot's base axes, cell components, each Shape (N, w)."""
+    r = rotated(motion.rotation, robot.T_object_tip.p)
+    v, w = motion.twist[:, :3], motion.twist[:, 3:]
+    a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
+    R = robot.T_world_base.R
+    rows = cell.wrench_rows
+    swing = cross(w, r)
+    velocity = np.concatenate([(v + swing) @ R, w @ R], axis=1)
+    linear = a + cross(dw, r) + cross(w, swing)
+    acceleration = np.concatenate([linear @ R, dw @ R], axis=1)
+    return velocity[:, rows], acceleration[:, rows]
 
 
 def slip(
@@ -193,7 +201,7 @@ def close_chain(
     if carried and given.course is not None:
         source = "positions" if given.course.rate is None else "velocities"
     by_each = carried_by_each(cell, given.object.time, given.q, given.dq, given.ddq)
-    gaps = grasp_gaps(cell, given.object, by_each)
+    gaps = grasp_gaps(cell, given.object, given.q)
     robot, sample, share, text = _worst(gaps, bound)
     if share > 1:
         raise MotionError(
@@ -212,7 +220,7 @@ def close_chain(
         raise MotionError(f"{where}: {misfit}")
     if carried:
         target = mean_object(by_each)
-        gaps = grasp_gaps(cell, target, by_each)
+        gaps = grasp_gaps(cell, target, given.q)
     else:
         target = given.object
     q, dq, ddq = joints_on_grasps(cell, target, given.q, given.dq, given.ddq)
@@ -238,7 +246,7 @@ def _held(cell: Cell, given: CoordinatedMotion, *bounds: tuple[float, float, flo
     library, target = cell.generated.compiled, given.object
     if library is None:
         by_each = carried_by_each(cell, target.time, given.q, given.dq, given.ddq)
-        most = np.max(grasp_gaps(cell, target, by_each), axis=(1, 2))
+        most = np.max(grasp_gaps(cell, target, given.q), axis=(1, 2))
         return [
             bool((most <= gaps).all()) and slip(cell, target, by_each, (share, share), REST_SLIP) is None
             for *gaps, share in bounds

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, cross, rotated
+from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import KNOWN_CELLS, Cell
@@ -193,10 +193,10 @@ class TrackedVariants:
         """Why a variant cannot follow: of the first arm that ends on the way, or else passes a limit."""
         if variant in self.reasons:
             return TrackingFailure(OUT_OF_REACH, self.reasons[variant])
-        code = self.outcome[variant]["code"]
-        ends = code != tracking.FOLLOWED
-        on_the_way = ends & (code != tracking.PAST_LIMIT)
-        return self.of_arm(variant, int(np.argmax(on_the_way if np.any(on_the_way) else ends)))
+        codes = dict(enumerate(self.outcome[variant]["code"].tolist()))
+        ends = [arm for arm, code in codes.items() if code != tracking.FOLLOWED]
+        on_the_way = [arm for arm in ends if codes[arm] != tracking.PAST_LIMIT]
+        return self.of_arm(variant, (on_the_way or ends)[0]) if ends else None
 
 
 def is_redundant(cell: Cell, robot: Robot) -> bool:
@@ -266,20 +266,6 @@ def reached(gap: Array, turn: Array) -> NDArray[np.bool_]:
     return found
 
 
-def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
-    """Velocity and acceleration of a grasp in the robot's base axes, cell components, each Shape (N, w)."""
-    r = rotated(motion.rotation, robot.T_object_tip.p)
-    v, w = motion.twist[:, :3], motion.twist[:, 3:]
-    a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
-    R = robot.T_world_base.R
-    rows = cell.wrench_rows
-    swing = cross(w, r)
-    velocity = np.concatenate([(v + swing) @ R, w @ R], axis=1)
-    linear = a + cross(dw, r) + cross(w, swing)
-    acceleration = np.concatenate([linear @ R, dw @ R], axis=1)
-    return velocity[:, rows], acceleration[:, rows]
-
-
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
     """Joints on the grasps near the given ones, with the rates nearest to theirs that keep them there, Shape (N, m).
 
@@ -296,13 +282,15 @@ def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq:
     return held, *rates
 
 
-def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
-    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
+def nearest_rates(
+    cell: Cell, target: ObjectMotion, samples: NDArray[np.intp], q: Array, dq: Array, ddq: Array
+) -> tuple[Array, Array]:
+    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps at some samples.
 
-    The positions are on the grasps. A direction that a singular arm has lost is left as given.
+    All are Shape (k, m). The positions are on the grasps. A direction that a singular arm has lost is left as given.
     """
     rates = np.array(dq, order="C"), np.array(ddq, order="C")
-    solve_grasps(cell, target, slice(None), q, 0, rates=rates)
+    solve_grasps(cell, target, samples, q, 0, rates=rates)
     return rates
 
 

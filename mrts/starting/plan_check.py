@@ -230,7 +230,7 @@ def _carried(
     """The object as the hands carry it on the mean, and how far each is off its grasp."""
     by_each = carried_by_each(cell, at, *course)
     carried = mean_object(by_each)
-    gaps = grasp_gaps(cell, carried, by_each)
+    gaps = grasp_gaps(cell, carried, course[0])
     names = [
         RowName(kind, robot.name, unit=unit)
         for kind, unit in (("grasp distance", "m"), ("grasp angle", "rad"))

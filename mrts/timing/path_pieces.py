@@ -184,15 +184,12 @@ def _piece(
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
     carried = ObjectMotion(s, given.position[part], given.rotation[part], turning, change, checked=False)
-    path = CoordinatedMotion(carried, q, direction, bend, checked=False)
     if continued.size:
-        there, direction, bend = path.at(np.concatenate([[0], continued, [-1]])), direction.copy(), bend.copy()
-        rates, changes = nearest_rates(cell, there.object, there.q, there.dq, there.ddq)
-        direction[continued], bend[continued] = rates[1:-1], changes[1:-1]
-        path = CoordinatedMotion(carried, q, direction, bend, checked=False)
+        rates = nearest_rates(cell, carried, continued, q[continued], direction[continued], bend[continued])
+        direction[continued], bend[continued] = rates
     return PathPiece(
         first=first,
-        path=path,
+        path=CoordinatedMotion(carried, q, direction, bend, checked=False),
         arc=s,
         arc_speed=np.ones_like(s),
         speed=speed,

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 import mrts
-from mrts.following.tracking import tip_rates
+from mrts.following.coordinate import tip_rates
 
 POSE = 1e-10
 
