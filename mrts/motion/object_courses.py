@@ -45,16 +45,10 @@ def trapezoid(u: Array) -> Fractions:
 
     At the two corners, where the acceleration jumps, the value of the ramp is taken.
     """
-    top = 1 / (1 - RAMP)
-    rising, falling = u <= RAMP + CORNER_TOLERANCE, u >= 1 - RAMP - CORNER_TOLERANCE
-    s = np.where(
-        rising,
-        top * u**2 / (2 * RAMP),
-        np.where(falling, 1 - top * (1 - u) ** 2 / (2 * RAMP), top * (u - RAMP / 2)),
-    )
-    ds = np.where(rising, top * u / RAMP, np.where(falling, top * (1 - u) / RAMP, top))
-    dds = np.where(rising, top / RAMP, np.where(falling, -top / RAMP, 0.0))
-    return s, ds, dds
+    top, end = 1 / (1 - RAMP), np.minimum(u, 1 - u)  # the nearer end's share of the duration away
+    way = top * np.where(end < RAMP, end**2 / (2 * RAMP), end - RAMP / 2)
+    s, ds = np.where(u < 1 / 2, way, 1 - way), top * np.minimum(end / RAMP, 1.0)
+    return s, ds, np.where(end <= RAMP + CORNER_TOLERANCE, np.sign(1 / 2 - u) * top / RAMP, 0.0)
 
 
 def cubic(u: Array) -> Fractions:
@@ -64,19 +58,10 @@ def cubic(u: Array) -> Fractions:
 
 def quintic(u: Array) -> Fractions:
     """10u³ - 15u⁴ + 6u⁵: at rest without acceleration at both ends; s, ds/du, d²s/du², each Shape (N,)."""
-    return (
-        u**3 * (10 + u * (6 * u - 15)),
-        30 * u**2 * (1 - u) ** 2,
-        60 * u * (1 - u) * (1 - 2 * u),
-    )
+    return u**3 * (10 + u * (6 * u - 15)), 30 * u**2 * (1 - u) ** 2, 60 * u * (1 - u) * (1 - 2 * u)
 
 
-PROFILES: dict[str, Profile] = {
-    "sinusoid": sinusoid,
-    "trapezoid": trapezoid,
-    "cubic": cubic,
-    "quintic": quintic,
-}
+PROFILES: dict[str, Profile] = {"sinusoid": sinusoid, "trapezoid": trapezoid, "cubic": cubic, "quintic": quintic}
 """The names that a motion file may use."""
 
 CORNERS: dict[Profile, tuple[float, ...]] = {trapezoid: (RAMP, 1 - RAMP)}
