@@ -28,6 +28,14 @@ def with_part(owner: Owner, arrays: Iterable[str], part: Any, **changes: Any) ->
     return replace(owner, **changes)  # type: ignore[type-var]  # it is a dataclass
 
 
+def changed(owner: Owner, **values: Any) -> Owner:
+    """A dataclass with other values, which are not checked; nobody can write to its arrays."""
+    ours = object.__new__(type(owner))
+    vars(ours).update(vars(owner) | values)
+    freeze(ours)
+    return ours
+
+
 class EqualByNumbers:
     """A dataclass whose values are equal if their fields are, arrays by their numbers."""
 

@@ -4,13 +4,13 @@
 Given joints miss their grasps by a planner's tolerance, by rounding, or by a spline: they are moved onto them.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import NoneType
 from typing import Annotated
 
 import numpy as np
 
-from mrts.base.arrays import Array, cross, rotated
+from mrts.base.arrays import Array, changed, cross, rotated
 from mrts.base.errors import InputError, MotionError, Remark, check_type
 from mrts.base.formats.record import Rule, check_attributes
 from mrts.base.manifest import GEOMETRY
@@ -116,7 +116,7 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     time, joints, course, said = table.of(names)
     check_joint_limits(cell, time, joints[0], PRINTED_TOLERANCE)
     carried = carried_by_first(cell, time, *joints)
-    given = replace(carried, remarks=(*said, *remarks), course=course, checked=False)
+    given = changed(carried, remarks=(*said, *remarks), course=course)
     return close_chain(cell, given, bound, str(table.path), carried=True)
 
 
@@ -196,7 +196,7 @@ def close_chain(
     as_given = min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle), GIVEN_SLIP
     held, closed = _held(cell, given, as_given, (TIGHT_GAP, TIGHT_GAP, TIGHT_SLIP))
     if held:
-        return given if closed else replace(given, closed=False, checked=False)
+        return given if closed else changed(given, closed=False)
     source = None
     if carried and given.course is not None:
         source = "positions" if given.course.rate is None else "velocities"

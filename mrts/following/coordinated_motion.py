@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, apply, cross, freeze
+from mrts.base.arrays import Array, apply, changed, cross, freeze
 from mrts.base.errors import InputError, MotionError, Remark, check_type
 from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.rigid_transform import plane_normal
@@ -99,12 +99,14 @@ class CoordinatedMotion:
         return UNTIMED in map(attrgetter("code"), self.remarks)
 
     def at(self, samples: NDArray[np.int_] | slice, time: Array | None = None) -> "CoordinatedMotion":
-        """Some samples, at least two, by themselves; where no time is given, Shape (k,), it only counts them."""
+        """Some samples, at least two; their time, Shape (k,), where none is given, only counts them."""
         of, travel = self.object, None if self.travel is None else self.travel[:, samples]
         q, dq, ddq = self.q[samples], self.dq[samples], self.ddq[samples]
         poses = of.position[samples], of.rotation[samples], of.twist[samples], of.acceleration[samples]
-        some = ObjectMotion(np.arange(len(q), dtype=np.float64) if time is None else time, *poses, checked=False)
-        return CoordinatedMotion(some, q, dq, ddq, travel=travel, closed=self.closed, checked=False)
+        course, own = (None, None) if time is None else (of.course, self.course)
+        time = np.arange(len(q), dtype=np.float64) if time is None else time
+        some = ObjectMotion(time, *poses, course=course, checked=False)
+        return CoordinatedMotion(some, q, dq, ddq, travel=travel, course=own, closed=self.closed, checked=False)
 
     def played(
         self, time: Array, rate: Array | float, change: Array | float = 0.0, travel: Array | None = None
@@ -115,10 +117,10 @@ class CoordinatedMotion:
         """
         of, square = self.object, rate**2
         twist, acceleration = of.twist * rate, of.acceleration * square + of.twist * change
-        carried = ObjectMotion(time, of.position, of.rotation, twist, acceleration, checked=False)
+        carried = changed(of, time=time, twist=twist, acceleration=acceleration, remarks=(), course=None)
         dq, ddq = self.dq * rate, self.ddq * square + self.dq * change
         travel = self.travel if travel is None else travel
-        return CoordinatedMotion(carried, self.q, dq, ddq, travel=travel, checked=False)
+        return changed(self, object=carried, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
 
     def inputs(self, load: Array) -> dict[str, Array]:
         """Inputs of the generated functions of a moving sample.

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, changed
 from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import mean_object
@@ -88,7 +88,7 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     carried = replace(ours, **parts, remarks=told, checked=False)
     q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))
     travel = _travel(motion, dq, (order < motion.samples).nonzero()[0])
-    return replace(motion, object=carried, q=q, dq=dq, ddq=ddq, remarks=remarks, travel=travel, checked=False)
+    return changed(motion, object=carried, q=q, dq=dq, ddq=ddq, remarks=remarks, travel=travel)
 
 
 def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:

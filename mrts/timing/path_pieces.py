@@ -4,7 +4,7 @@
 The last is for smooth timings: by the time of a quintic one that starts from rest with limited rates is regular.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Literal
@@ -248,9 +248,7 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
     added = added[~np.isin(added, given)]
     whole = with_samples(cell, motion, added)
     chosen = np.flatnonzero(np.isin(whole.object.time, np.concatenate([added, given[kept]])))
-    nodes = whole.at(chosen, whole.object.time[chosen])
-    carried = replace(nodes.object, course=whole.object.course, checked=False)
-    return replace(nodes, object=carried, course=whole.course, checked=False)
+    return whole.at(chosen, whole.object.time[chosen])
 
 
 def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
@@ -302,14 +300,15 @@ def _smooth_piece(
         turns = _between_nodes(s, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
     sides = np.stack([np.arange(len(s) - 1), np.arange(1, len(s))], axis=1)
     first, second, third = by[:, sides, None]
+    fine = path.played(z * duration, by[0, :, None], by[1, :, None], travel)
     return SmoothPath(
         first=first_node,
-        path=path.at(nodes).played(z[nodes] * duration, by[0, nodes, None], by[1, nodes, None], travel[:, nodes]),
+        path=fine.at(nodes, fine.object.time[nodes]),
         speed=piece.speed[nodes],
         rests=piece.rests,
         arc=s[nodes],
         arc_speed=by[0, nodes],
-        fine=path.played(z * duration, by[0, :, None], by[1, :, None], travel),
+        fine=fine,
         third=turns * first**3 + 3 * path.ddq[sides] * first * second + path.dq[sides] * third,
     )
 
