@@ -32,7 +32,7 @@ from mrts.timing.result import RetimingResult
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 16
+VERSION = 17
 """Of arrays and description together; any change of what results hold raises it, unless it is one of the manifest."""
 
 DESCRIPTION_BYTES = 5_000_000
