@@ -37,19 +37,12 @@ class CellModel:
     """A cell with its chains.
 
     Attributes:
-        description: The validated cell file.
-        record: What it comes to.
+        record: What the cell file comes to.
         models: The chain of each arm.
     """
 
-    description: CellDescription
     record: CellRecord
     models: tuple[RobotModel, ...]
-
-    @property
-    def components(self) -> tuple[int, ...]:
-        """Rows of a six-component wrench that this cell uses."""
-        return tuple(self.record.wrench_rows)
 
     def chains_key(self, stem: str) -> str:
         """Hash of what functions are generated of: the chains, not the numbers of a cell file."""
@@ -145,7 +138,7 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         remarks=tuple(dict.fromkeys(remarks)),
     )
     models = tuple(arm.model for arm in built)
-    return CellModel(description, record, models)
+    return CellModel(record, models)
 
 
 def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:

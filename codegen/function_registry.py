@@ -41,13 +41,13 @@ def _kinematics(sample: Sample) -> Named:
 
 
 def _bias_acceleration(sample: Sample) -> Named:
-    rows, arms = list(sample.cell.components), zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True)
+    rows, arms = sample.cell.record.wrench_rows, zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True)
     return {"bias_acceleration": ca.horzcat(*(bias_acceleration(*arm)[rows] for arm in arms))}
 
 
 def _torques_of_wrenches(sample: Sample) -> list[Any]:
     """JᵀF of every arm."""
-    parts = ca.vertsplit(sample.inputs["wrench"], len(sample.cell.components))
+    parts = ca.vertsplit(sample.inputs["wrench"], len(sample.cell.record.wrench_rows))
     return [J.T @ part for J, part in zip(sample.J, parts, strict=True)]
 
 
@@ -97,7 +97,7 @@ BUILDERS: dict[str, tuple[Callable[[Sample], Named], tuple[str, ...]]] = {
 
 def _is_allowed(cell: CellModel, name: str) -> bool:
     """Whether a cell has a function: some are for arms with more joints than a wrench has components, or as many."""
-    joints, size = [len(model.joints) for model in cell.models], len(cell.components)
+    joints, size = [len(model.joints) for model in cell.models], len(cell.record.wrench_rows)
     if name in FOR_REDUNDANT_ARMS:
         return max(joints) > size
     return name != "torque_form" or {*joints} == {size}

@@ -26,7 +26,7 @@ from mrts_codegen.equations.sample import Sample
 def grasp_maps(sample: Sample) -> list[Any]:
     """B_i of each arm, each Shape (w, w)."""
     arms = zip(sample.offsets, sample.bases, strict=True)
-    return [grasp_map(offset, base.R, sample.cell.components) for offset, base in arms]
+    return [grasp_map(offset, base.R, sample.cell.record.wrench_rows) for offset, base in arms]
 
 
 def wrench_form(sample: Sample) -> dict[str, Any]:
@@ -35,7 +35,7 @@ def wrench_form(sample: Sample) -> dict[str, Any]:
     No inverse of a Jacobian, so it holds for redundant arms and at singularities.
     """
     (P, _, Q), B = sample.terms_of_object, grasp_maps(sample)
-    B_last_inverse = grasp_map_inverse(sample.offsets[-1], sample.bases[-1].R, sample.cell.components)
+    B_last_inverse = grasp_map_inverse(sample.offsets[-1], sample.bases[-1].R, sample.cell.record.wrench_rows)
     others = B[0].size1() * (len(B) - 1)
     last = B_last_inverse @ ca.horzcat(*(-B_i for B_i in B[:-1]), P)
     wrench_map = ca.vertcat(ca.horzcat(ca.SX.eye(others), ca.SX.zeros(others, 1)), last)
@@ -83,7 +83,7 @@ def fixed_distribution(sample: Sample) -> dict[str, Any]:
 def _six_components(sample: Sample, wrench: Any) -> tuple[Any, Any]:
     """Force and moment of a wrench, with zeros where the cell has no components, each Shape (3,)."""
     full = ca.SX.zeros(6)
-    full[list(sample.cell.components)] = wrench
+    full[sample.cell.record.wrench_rows] = wrench
     return full[:3], full[3:]
 
 
@@ -96,7 +96,7 @@ def _shared_wrench(sample: Sample, total: Any) -> Any:
     for index, offset in enumerate(sample.offsets):
         M = M - ca.cross(offset, shares[index] * f)
     wrenches = [ca.vertcat(base.R.T @ f, base.R.T @ M) * shares[index] for index, base in enumerate(sample.bases)]
-    return ca.vertcat(*(wrench[list(sample.cell.components)] for wrench in wrenches))
+    return ca.vertcat(*(wrench[sample.cell.record.wrench_rows] for wrench in wrenches))
 
 
 def played_torques(sample: Sample) -> dict[str, Any]:
@@ -108,7 +108,7 @@ def played_torques(sample: Sample) -> dict[str, Any]:
     Returns:
         "torque", Shape (m,) [N m or N], and "wrench" in the axes of the bases, Shape (n w,) [N, N m].
     """
-    grasps, count, rows = sample.grasps, len(sample.models), list(sample.cell.components)
+    grasps, count, rows = sample.grasps, len(sample.models), sample.cell.record.wrench_rows
     moves = zip(sample.models, *map(sample.arms, ("q", "dq", "ddq")), [-down for down in sample.down], strict=True)
     motions = [chain_motion(*of_arm) for of_arm in moves]
     given = [_six_components(sample, part) for part in ca.vertsplit(sample.inputs["object_wrench"], len(rows))]

@@ -42,7 +42,7 @@ def angular_balance(inertia: Any, h: Any, acceleration: Any, w: Any, dw: Any) ->
 
 
 def object_terms(
-    load: Any, R_world_object: Any, twist: Any, acceleration: Any, gravity: Array, components: tuple[int, ...]
+    load: Any, R_world_object: Any, twist: Any, acceleration: Any, gravity: Array, components: list[int]
 ) -> tuple[Any, Any, Any]:
     """Eqs. (5), (15), (16), (17), (18): P, S and Q, each Shape (w,) [N, N m, of S times s²], linear in the load.
 
@@ -65,8 +65,7 @@ def object_terms(
     P = ca.vertcat(linear_balance(m, h, a, w, dw), angular_balance(I_w, h, a, w, dw))
     S = ca.vertcat(m * v + ca.cross(w, h), I_w @ w + ca.cross(h, v))
     Q = ca.vertcat(m * upward, ca.cross(h, upward))
-    rows = list(components)
-    return ca.densify(P[rows]), ca.densify(S[rows]), ca.densify(Q[rows])
+    return ca.densify(P[components]), ca.densify(S[components]), ca.densify(Q[components])
 
 
 def contact_offset(R_world_object: Any, r_object_tip: Array) -> Any:
@@ -74,7 +73,7 @@ def contact_offset(R_world_object: Any, r_object_tip: Array) -> Any:
     return R_world_object @ ca.SX(r_object_tip)
 
 
-def grasp_map(offset: Any, R_world_base: Array, components: tuple[int, ...]) -> Any:
+def grasp_map(offset: Any, R_world_base: Array, components: list[int]) -> Any:
     """Eqs. (6), (7): B_i with [force; moment about the com] = B_i F_i, of S_i u = r_i × u, Shape (w, w).
 
     Args:
@@ -84,11 +83,11 @@ def grasp_map(offset: Any, R_world_base: Array, components: tuple[int, ...]) -> 
     """
     R = ca.SX(R_world_base)
     B = ca.vertcat(ca.horzcat(R, ca.SX.zeros(3, 3)), ca.horzcat(ca.skew(offset) @ R, R))
-    return ca.densify(B[list(components), list(components)])
+    return ca.densify(B[components, components])
 
 
-def grasp_map_inverse(offset: Any, R_world_base: Array, components: tuple[int, ...]) -> Any:
+def grasp_map_inverse(offset: Any, R_world_base: Array, components: list[int]) -> Any:
     """Inverse of `grasp_map`, exact for every grasp: [Rᵀ, 0; -Rᵀ S, Rᵀ], Shape (w, w)."""
     R = ca.SX(R_world_base)
     inverse = ca.vertcat(ca.horzcat(R.T, ca.SX.zeros(3, 3)), ca.horzcat(-R.T @ ca.skew(offset), R.T))
-    return ca.densify(inverse[list(components), list(components)])
+    return ca.densify(inverse[components, components])

@@ -57,7 +57,7 @@ class Sample:
     @cached_property
     def J(self) -> list[Any]:  # noqa: N802 (as in the paper)
         """Jacobian of each arm in its base axes, each Shape (w, n_i)."""
-        rows, arms = list(self.cell.components), zip(self.models, self.arms("q"), strict=True)
+        rows, arms = self.cell.record.wrench_rows, zip(self.models, self.arms("q"), strict=True)
         return [ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in arms]
 
     @cached_property
@@ -77,7 +77,7 @@ class Sample:
     def terms_of_object(self) -> tuple[Any, Any, Any]:
         """Inertial wrench of the object P, S per time-warp acceleration, Q that carries its weight, each Shape (w,)."""
         R, twist, acceleration, load = (self.inputs[name] for name in MOVING[3:])
-        return object_terms(load, R, twist, acceleration, self.gravity, self.cell.components)
+        return object_terms(load, R, twist, acceleration, self.gravity, self.cell.record.wrench_rows)
 
 
 def sample_of(cell: CellModel, *, bake: bool = False) -> Sample:
@@ -88,7 +88,7 @@ def sample_of(cell: CellModel, *, bake: bool = False) -> Sample:
     m, n, plane = sum(len(model.joints) for model in cell.models), len(cell.models), cell.record.plane
     shapes = {"q": (m,), "dq": (m,), "ddq": (m,), "object_rotation": (3, 3), "object_twist": (6,)}
     shapes |= {"object_acceleration": (6,), "load": (len(LOAD_ENTRIES),), "shares": (n,)}
-    wrenches = dict.fromkeys(("wrench", "internal_wrench", "object_wrench"), (n * len(cell.components),))
+    wrenches = dict.fromkeys(("wrench", "internal_wrench", "object_wrench"), (n * len(cell.record.wrench_rows),))
     inputs = {name: ca.SX.sym(name, *shape) for name, shape in (shapes | wrenches).items()}
     numbers = cell.record.geometry
     inputs[GEOMETRY] = ca.SX(numbers) if bake else ca.SX.sym(GEOMETRY, numbers.size)

@@ -123,21 +123,21 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     All cells with the same chains share one C file, whatever the numbers in their cell files.
     """
     described = _described(path)
-    manifest = _manifest_as_made(path, described)
-    if manifest is not None:
-        return manifest, _chains_folder(manifest.chains) / manifest.source
+    if made := _as_made(path, described):
+        return made
     manifest, source = generated_chains(cell_model(path))
     if _described(path) == described and is_as_made(path, manifest.cell):  # else a file was written meanwhile
         write_text_atomically(described, manifest.to_json(), private=True)
     return manifest, source
 
 
-def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
-    """The manifest of a cell file in the cache; None unless the files it names are as then, and its C file is whole."""
+def _as_made(path: Path, described: Path) -> tuple[CellManifest, Path] | None:
+    """What the cache holds of a cell file; None unless the files it names are as then, and the C file is whole."""
     manifest = _if_sound(described, partial(verified_manifest, described))
     if manifest is None or not is_as_made(path, manifest.cell):
         return None
-    return manifest if _is_source(_chains_folder(manifest.chains) / manifest.source, manifest) else None
+    source = _chains_folder(manifest.chains) / manifest.source
+    return (manifest, source) if _is_source(source, manifest) else None
 
 
 def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
@@ -270,7 +270,7 @@ def motion_functions_of(cell: Any) -> GeneratedFunctions:
 
 def read_to_generate(path: Path) -> Any | None:
     """A cell with its URDFs that is still to be generated and compiled; None where the cache holds it."""
-    if _manifest_as_made(path, _described(path)) is not None:
+    if _as_made(path, _described(path)):
         return None
     cell = cell_model(path)
     return cell if _chains_in_cache(cell)[1] is None else None
