@@ -95,75 +95,86 @@ def projections(
     """
     count, all_rows, k = A.shape
     taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
-    number, corners = np.zeros(count, dtype=np.int32), np.empty((count, CORNERS, 2))
+    number, corners = np.zeros(count, dtype=np.int32), np.empty((count * CORNERS, 2))
     status = np.full(count, STOPPED, dtype=np.uint8)
     work = work_arrays(_library(), "mrts_project_batch", k, len(taken))
     given = count, k, all_rows, len(taken), taken, A, lower, upper, scale, *bounds
     _library().mrts_project_batch(*given, number, corners, status, *work)
-    return number, corners[np.arange(CORNERS) < number[:, None]], status
+    return number, corners[: number.sum()], status
 
 
 def half_planes(
-    number: NDArray[np.int32], corners: Array, unit: Array, cap: Array, box: float, near: float
+    samples: tuple[Array, Array, Array],
+    alone: NDArray[np.int32],
+    scale: Array,
+    projected: tuple[NDArray[np.int32], Array],
+    most: Array,
+    bound: float,
 ) -> tuple[NDArray[np.int64], Array, Array, Array]:
-    """The half-planes n_u u + n_x x <= h of N polygons over u and x.
+    """The half-planes n_u u + n_x x <= h of N samples: of rows of u and x alone, and of projections of the others.
 
     Args:
-        number: Of corners of each, Shape (N,).
-        corners: Of all, those of each counter-clockwise, Shape (E, 2).
-        unit: What u and x are counted in, infinity for what does not move, Shape (N, 2).
-        cap: Largest x that was asked for, Shape (N,).
-        box: Largest u that was asked for, without its sign.
-        near: Share of both from which an edge is one of theirs, which is none of the polygon.
+        samples: A, Shape (N, r, k), and its limits, Shape (N, r) each.
+        alone: The rows of u and x alone, Shape (s,).
+        scale: What columns are multiplied by, 0 for what does not move, Shape (N, k).
+        projected: Numbers of corners and the corners of all, as of `projections`.
+        most: Largest x that was asked for, Shape (N,).
+        bound: An x that none reaches.
 
     Returns:
-        Those of polygon i are start[i] .. start[i + 1] - 1, Shape (N + 1,); n_u, n_x, h of all, Shape (E, 3); least
-        and largest x, 0 of a polygon without corners, each Shape (N,).
+        Those of sample i are start[i] .. start[i + 1] - 1, Shape (N + 1,); n_u, n_x, h of all, Shape (E, 3); least
+        and largest x, each Shape (N,).
     """
-    count = len(number)
-    start, planes = np.zeros(count + 1, dtype=np.int64), np.empty((len(corners) + 2 * count, 3))
-    low, high = np.zeros((2, count))
-    _library().mrts_half_planes(count, number, corners, unit, cap, box, near, start, planes, low, high)
+    (count, rows, k), (number, corners) = samples[0].shape, projected
+    start = np.zeros(count + 1, dtype=np.int64)
+    planes, low, high = np.empty((len(corners) + 2 * count * (len(alone) + 1), 3)), np.empty(count), np.empty(count)
+    given = count, k, rows, len(alone), alone, *samples, scale, number, corners, most, bound
+    _library().mrts_half_planes(*given, start, planes, low, high)
     return start, planes[: start[-1]], low, high
 
 
-def effects(A: Array, rows: NDArray[np.int32]) -> Array:
-    """The largest coefficient of each unknown of A, Shape (N, r, k), in some rows, unsigned, Shape (N, k)."""
-    count, all_rows, k = A.shape
-    effect = np.zeros((count, k))
-    _library().mrts_effects(count, k, all_rows, len(rows), rows, A, effect)
-    return effect
+def scales(
+    samples: tuple[Array, Array, Array],
+    rows: NDArray[np.int32],
+    caps: NDArray[np.int32],
+    length: float,
+    ends: tuple[float, float],
+    bound: float | None,
+) -> tuple[float, Array, tuple[Array, Array], Array]:
+    """What the columns of N samples of a path are multiplied by before they are projected.
+
+    Args:
+        samples: A, Shape (N, r, k), and its limits, Shape (N, r) each.
+        rows: Those that count.
+        caps: Those that bound x from above.
+        length: Of the path: over it u changes x by 2 u times that.
+        ends: x at the ends of the path.
+        bound: An x that none reaches; None finds one.
+
+    Returns:
+        The bound; the scale, 0 of unknowns that move no row, Shape (N, k); the bounds of `projections`; and the largest
+        x that caps allow, Shape (N,), infinity where none bounds it.
+    """
+    count, all_rows, k = samples[0].shape
+    found, scale, cap = np.full(1, bound or 0.0), np.zeros((count, k)), np.zeros(count)
+    bounds = np.zeros((count, 2)), np.zeros((count, 2))
+    given = count, k, all_rows, len(rows), len(caps), np.concatenate([rows, caps]), *samples, length, max(ends)
+    work = work_arrays(_library(), "mrts_project_batch", k, len(rows))
+    _library().mrts_scales(*given, found, scale, *bounds, cap, *work)
+    return float(found[0]), scale, bounds, cap
 
 
-def backward(step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array) -> int:
-    """Shrink bounds of x to the controllable sets, from the last sample back to the first.
+def fastest_speeds(
+    step: Array, rise: Array, start: NDArray[np.int64], planes: Array, lower: Array, upper: Array, first: float
+) -> tuple[int, Array]:
+    """Shrink bounds of x to the controllable sets, from the last sample back to the first; then go as fast as they let.
 
     `step` is the length of each segment and `rise` by how much u rises along it, Shape (n - 1,); `start` and
     `planes` are those of `half_planes`. The bounds `lower` and `upper`, Shape (n,), are changed in place.
 
     Returns:
-        The sample that has none, -1 if all have one.
+        The sample that has no controllable x, -1 if all have one; and then the largest at every sample, from the one
+        nearest to `first` on, Shape (n,).
     """
-    arrays = (step, rise, start, planes, lower, upper, _segment_work(start))
-    return int(_library().mrts_backward(len(step), *arrays))
-
-
-def forward(
-    step: Array,
-    rise: Array,
-    start: NDArray[np.int64],
-    planes: Array,
-    lower: Array,
-    upper: Array,
-    first: float,
-) -> Array:
-    """The largest controllable x at every sample, from `first` on, Shape (n,); arguments as in `backward`."""
-    x = np.zeros(len(step) + 1)
-    x[0] = first
-    arrays = (step, rise, start, planes, lower, upper, x, _segment_work(start))
-    _library().mrts_forward(len(step), *arrays)
-    return x
-
-
-def _segment_work(start: NDArray[np.int64]) -> Array:
-    return np.empty(8 * (int((start[1:] - start[:-1]).max()) + 1))
+    x, work = np.full(len(step) + 1, first), np.empty(4 * len(planes) + 8)
+    return int(_library().mrts_fastest(len(step), step, rise, start, planes, lower, upper, x, work)), x

@@ -12,28 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, median
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL, backward, effects, forward, half_planes, projections
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, fastest_speeds, half_planes, projections, scales
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.sample_ranges import REST_TOLERANCE
 from mrts.program.smooth_program import segment_times, stop_share
 
-BOX = 1e5
-"""Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded."""
-
-NEAR_BOX = 1 - 1e-6
-"""Share of such an end from which a corner lies on it: rounding."""
-
 FARTHEST = 1e3
-"""Speeds squared above this multiple of what the path's length and its accelerations make likely count as unbounded."""
-
-NEGLIGIBLE = 1e-11
-"""x has no effect where the largest likely one moves no row by more than this share of a limit: on a straight path what
-is left of it is rounding."""
+"""The bound of regions is this multiple of the x that is likely, `MRTS_FARTHEST` of projections.c."""
 
 NO_DIRECTION = 1e-12
 """A principal direction of the free unknowns that moves rows by less than this share of the first moves none."""
 
-PROBES = 9
+PROBES = 5
 """Samples whose accelerations are looked at, to learn how fast the path may become."""
 
 
@@ -47,7 +36,7 @@ class SpeedRegions:
         lower: Least x, Shape (N,).
         upper: Largest x: the maximum velocity curve, infinity where nothing bounds it, Shape (N,).
         bound: An x that no profile within limits reaches.
-        undecided: Samples whose region is empty, or was not found.
+        undecided: Where the region is empty, or was not found, Shape (N,).
     """
 
     start: NDArray[np.int64]
@@ -55,19 +44,7 @@ class SpeedRegions:
     lower: Array
     upper: Array
     bound: float
-    undecided: tuple[int, ...]
-
-    def with_samples(self, places: NDArray[np.intp], more: "SpeedRegions") -> "SpeedRegions":
-        """Those of further samples besides, which are then at some places of all, Shape (k,), in order."""
-        before, counts = places - np.arange(len(places)), np.diff(more.start)
-        return SpeedRegions(
-            np.concatenate([[0], np.cumsum(np.insert(np.diff(self.start), before, counts))]),
-            np.insert(self.planes, np.repeat(self.start[before], counts), more.planes, axis=0),
-            np.insert(self.lower, before, more.lower),
-            np.insert(self.upper, before, more.upper),
-            self.bound,
-            tuple(places[list(more.undecided)].tolist()),
-        )
+    undecided: NDArray[np.bool_]
 
 
 def speed_regions(
@@ -84,96 +61,37 @@ def speed_regions(
         length: Of the path: over it u changes x by 2 u times that.
         bound: An x that no profile reaches, of other samples of the path; None finds one.
     """
-    taken, most = ~problem.is_cap, problem.cap()
-    by_itself = taken & ~problem.A[0, :, :-2].any(axis=1)
-    by_itself[by_itself] = ~problem.A[:, by_itself, :-2].any(axis=(0, 2))
-    every, alone, rows = (of.nonzero()[0].astype(np.int32) for of in (taken, by_itself, taken & ~by_itself))
-    effect = effects(problem.A, every)
-    effect[effect[:, -2] <= REST_TOLERANCE * effect[:, -2].max(), -2] = 0.0  # u moves nothing but by rounding
-    by_row = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
-    if bound is None:
-        bound = FARTHEST * _likely_speed(problem, every, effect[:, -2], most, length, ends)
-    reached = np.minimum(bound / FARTHEST, most)
-    effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
-    if not rows.size:
-        return _regions_of_planes(by_row, effect, most, bound)
-    with np.errstate(divide="ignore"):
-        unit = 1 / effect
-    unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
-    scale = np.where(np.isfinite(unit), unit, 0.0)
-    moves = scale[:, -2:] > 0
-    moving = np.where(moves[:, 1], scale[:, -1], 1.0)
-    box = np.minimum(bound / moving, BOX)
-    cap = np.minimum(most / moving, box)
-    least = np.where(moves, [-BOX, 0.0], 0.0)
-    largest = np.where(moves, np.column_stack([np.full_like(cap, BOX), cap]), 0.0)
-    number, corners = _decided_projections(problem, rows, scale, (least, largest))
-    found = (number > 0) & ~(problem.lower > problem.upper).any(axis=1)  # sides that cross leave nothing to project
-    if not found.all():
-        corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
-    start, planes, low, high = half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
-    high = np.where(moves[:, 1] & (high < NEAR_BOX * box), high * moving, np.inf)
-    lower = np.maximum(low, 0.0) * scale[:, -1]
-    undecided = tuple((~found).nonzero()[0].tolist())
-    projected = SpeedRegions(start, planes, lower, np.minimum(high, most), bound, undecided)
-    return intersect_regions([projected, _regions_of_planes(by_row, effect, most, bound)]) if alone.size else projected
+    samples, free = (problem.A, problem.lower, problem.upper), problem.unknowns - 2
+    alone = ~problem.is_cap & ~problem.A[0, :, :free].any(axis=1)
+    alone[alone] = ~problem.A[:, alone, :free].any(axis=(0, 2))
+    every, by_itself, rows, caps = (
+        of.nonzero()[0].astype(np.int32) for of in (~problem.is_cap, alone, ~(problem.is_cap | alone), problem.is_cap)
+    )
+    bound, scale, bounds, most = scales(samples, every, caps, length, ends, bound)
+    number, corners = np.zeros(len(most), dtype=np.int32), np.zeros((0, 2))
+    undecided = number > 0
+    if rows.size:
+        number, corners = _decided_projections(problem, rows, scale, bounds)
+        undecided = (number == 0) | (problem.lower > problem.upper).any(axis=1)  # sides that cross leave nothing
+    return SpeedRegions(*half_planes(samples, by_itself, scale, (number, corners), most, bound), bound, undecided)
 
 
-def _regions_of_planes(planes: Array, effect: Array, most: Array, bound: float) -> SpeedRegions:
-    """The regions of half-planes, Shape (N, e, 3); where u or x has no effect, they lose what rounding left of it."""
-    for unknown, of in ((0, effect[:, -2]), (1, effect[:, -1])):
-        planes[of == 0, :, unknown] = 0.0
-    count, sides, _ = planes.shape
-    start = np.arange(count + 1, dtype=np.int64) * sides
-    return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, bound, ())
-
-
-def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
-    """What is admissible in all of several regions of the same samples."""
+def intersect_regions(
+    regions: Sequence[SpeedRegions], places: Sequence[NDArray[np.intp]] | None = None
+) -> SpeedRegions:
+    """What is admissible in all of several regions: of the same samples, or each of those at some places, in order."""
     if len(regions) == 1:
         return regions[0]
-    samples = np.concatenate([np.repeat(np.arange(len(part.lower)), np.diff(part.start)) for part in regions])
-    return SpeedRegions(
-        np.sum([part.start for part in regions], axis=0),
-        np.concatenate([part.planes for part in regions])[np.argsort(samples, kind="stable")],
-        np.max([part.lower for part in regions], axis=0),
-        np.min([part.upper for part in regions], axis=0),
-        min(part.bound for part in regions),
-        tuple(sorted({sample for part in regions for sample in part.undecided})),
-    )
-
-
-def _likely_speed(
-    problem: SampleProblem,
-    rows: NDArray[np.int32],
-    effect: Array,
-    most: Array,
-    length: float,
-    ends: tuple[float, float],
-) -> float:
-    """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends.
-
-    Each is at least that of a whole limit: some samples leave none.
-    """
-    moving = effect.nonzero()[0]
-    if not moving.size:
-        return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
-    probes = moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
-    scale = np.ones((len(probes), problem.unknowns))
-    scale[:, -2] /= effect[probes]
-    bound = np.zeros((len(probes), 2))
-    bound[:, 0] = BOX
-    some = problem.A[probes], problem.lower[probes], problem.upper[probes]
-    number, corners, _ = projections(*some, scale, (-bound, bound), rows)
-    largest = np.ones(len(probes))
-    np.maximum.at(largest, np.repeat(np.arange(len(probes)), number), np.abs(corners[:, 0]))
-    return max(*ends, 2 * length * median(largest / effect[probes]))
-
-
-def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
-    planes = np.concatenate([np.dstack([A, upper]), -np.dstack([A, lower])], axis=1)
-    limited = np.isfinite(planes[:, :, 2]).any(axis=0)
-    return planes if limited.all() else planes[:, limited]
+    places = places or [np.arange(len(part.lower)) for part in regions]
+    count = 1 + max(int(at[-1]) for at in places)
+    lower, upper, undecided = np.zeros(count), np.full(count, np.inf), np.zeros(count, dtype=bool)
+    for part, at in zip(regions, places, strict=True):
+        lower[at], upper[at] = np.maximum(lower[at], part.lower), np.minimum(upper[at], part.upper)
+        undecided[at] |= part.undecided
+    of = np.concatenate([at.repeat(np.diff(part.start)) for part, at in zip(regions, places, strict=True)])
+    start = np.append(0, np.bincount(of, minlength=count).cumsum())
+    planes = np.concatenate([part.planes for part in regions]).take(of.argsort(kind="stable"), axis=0)
+    return SpeedRegions(start, planes, lower, upper, min(part.bound for part in regions), undecided)
 
 
 def _decided_projections(
@@ -269,19 +187,15 @@ def fastest_profile(
     if not _within(ends[1], lower[last], upper[last]):
         return Obstacle("end", last, (float(lower[last]), float(upper[last])))
     lower[last] = upper[last] = ends[1]
-    planes = np.ascontiguousarray(regions.planes)
-    steps = np.ascontiguousarray(step)
-    failed = backward(steps, rise, regions.start, planes, lower, upper)
+    failed, x = fastest_speeds(step, rise, regions.start, regions.planes, lower, upper, ends[0])
     if failed >= 0:
         return Obstacle("segment", failed, (float(lower[failed + 1]), float(upper[failed + 1])))
     if not _within(ends[0], lower[0], upper[0]):
         return Obstacle("start", 0, (float(lower[0]), float(upper[0])), (float(lower[1]), float(upper[1])))
-    first = min(max(ends[0], lower[0]), upper[0])
-    x = forward(steps, rise, regions.start, planes, lower, upper, first)
     return SpeedProfile(regions, x, lower, upper, rise)
 
 
-def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) -> SpeedProfile:
+def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float], times: Array) -> SpeedProfile:
     """A profile that is faster than another, as s̈ rises on its segments as it did from one to the next.
 
     A constant s̈ that keeps the limits of both ends of a segment is the lesser of theirs: where the largest s̈ changes
@@ -291,9 +205,9 @@ def rising_profile(found: SpeedProfile, step: Array, ends: tuple[float, float]) 
 
     Args:
         step: Length of each segment, Shape (n - 1,).
+        times: Its duration with the profile that is given, likewise [s].
     """
-    times, rise = segment_times(step, found.x, found.rise), _rises(step, found.x)
-    lasts = float(times.sum())
+    rise, lasts = _rises(step, found.x), float(times.sum())
     lost = times * np.abs(rise) * step / (found.x[1:] + found.x[:-1])
     if SUMMED * len(step) * float(lost.sum()) < WORTH * lasts:
         return found
@@ -314,9 +228,9 @@ def _rises(step: Array, x: Array) -> Array:
     u, rise = (x[1:] - x[:-1]) / (2 * step), np.zeros(len(step))
     slope = 2 * (u[1:] - u[:-1]) / (step[1:] + step[:-1])
     before, after = slope[:-1], slope[1:]
-    lesser = np.where(np.abs(before) < np.abs(after), before, after)
-    most = MOST_RISE * median(np.abs(u))
-    rise[1:-1] = np.clip(np.where(before * after > 0, lesser, 0.0) * step[1:-1], -most, most)
+    lesser = np.minimum(np.abs(before), np.abs(after)) * step[1:-1]
+    lesser = np.copysign(np.minimum(lesser, MOST_RISE * median(np.abs(u))), before)
+    rise[1:-1] = np.where(before * after > 0, lesser, 0.0)
     return rise
 
 

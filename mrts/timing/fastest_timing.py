@@ -107,7 +107,7 @@ class _Search:
             steps = successive_profiles([*self._problems()], self.piece.step, self.ends)
             return self._outcome(steps if isinstance(steps, Obstacle) else steps[-1])
         regions = self._regions()
-        for sample in regions.undecided:
+        for sample in regions.undecided.nonzero()[0].tolist():
             conflict = self._conflict(sample)
             if conflict is None:
                 raise SolverError(
@@ -131,23 +131,21 @@ class _Search:
             return intersect_regions([speed_regions(one, length, self.ends) for one in self._problems()])
         own, regions = known[1], profile.regions
         new = np.delete(np.arange(len(self.piece.arc)), own)
-        if not new.size:
-            return regions
-        more = [speed_regions(one, length, self.ends, regions.bound) for one in self._problems(new)]
-        return regions.with_samples(new, intersect_regions(more))
+        more = [speed_regions(one, length, self.ends, regions.bound) for one in self._problems(new) if new.size]
+        return intersect_regions([regions, *more], [own, *[new] * len(more)])
 
     def _outcome(self, found: SpeedProfile | Obstacle) -> TimedPiece | _Reason:
         if isinstance(found, Obstacle):
             return self._explained(found)
-        fastest = int(np.argmax(found.x))
+        fastest = int(found.x.argmax())
         if found.x[fastest] >= UNBOUNDED_SHARE * found.regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
             return RetimingStatus.UNBOUNDED, why, None
         times = segment_times(self.piece.step, found.x, found.rise)
-        stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
+        stuck = ~(times < STUCK * median(times))
         if not stuck.any():
             rises = not self.rows.has_speed_terms
-            profile = rising_profile(found, self.piece.step, self.ends) if rises else found
+            profile = rising_profile(found, self.piece.step, self.ends, times) if rises else found
             mean, half = (profile.x[1:] - profile.x[:-1]) / (2 * self.piece.step), profile.rise / 2
             rates = np.array([mean - half, mean + half]).T
             return TimedPiece(piece=self.piece, x=profile.x, rates=rates, profile=profile)
@@ -157,36 +155,29 @@ class _Search:
         return RetimingStatus.STANDSTILL, why, None
 
     def _explained(self, obstacle: Obstacle) -> _Reason:
-        k, reach = obstacle.sample, obstacle.reach
-        for sample in (k, k + 1) if obstacle.kind == "segment" else (k,):
+        k, kind, on_way = obstacle.sample, obstacle.kind, obstacle.kind == "segment"
+        for sample in range(k, k + 1 + on_way):
             conflict = self._conflict(sample)
             if conflict is not None:
                 return RetimingStatus.INFEASIBLE, f"{conflict}.", conflict
-        if obstacle.kind != "segment":
-            return self._wrong_end(obstacle)
-        conflict = self._conflict(k, reach)
-        low, high = (np.sqrt(x) / self.piece.speed[k + 1] if self.piece.speed[k + 1] > 0 else 0.0 for x in reach)
-        why = (
-            f"no speed at {self._place(k)} leads on to where the end can still be reached, ṙ in [{low:.6g}, "
-            f"{high:.6g}] at the next sample{_rows(conflict)}. Change the path or its end speeds, or raise a limit."
-        )
-        return RetimingStatus.NOT_CONTROLLABLE, why, conflict
-
-    def _wrong_end(self, obstacle: Obstacle) -> _Reason:
-        start = obstacle.kind == "start"
-        speed, given = self.piece.speed[obstacle.sample], self.ends[0 if start else 1]
-        place, status = self._place(obstacle.sample), RetimingStatus.START_SPEED if start else RetimingStatus.END_SPEED
-        conflict = self._conflict(obstacle.sample, obstacle.next_reach, given)
-        if given == 0:
-            why = f"the motion cannot {'start from' if start else 'come to'} rest at {place}{_rows(conflict)}."
-            return status, why, conflict
-        low, high = (np.sqrt(x) / speed for x in obstacle.reach)
-        why = (
-            f"at {place} the motion may {obstacle.kind} with ṙ in [{low:.6g}, {high:.6g}], but "
-            f"{np.sqrt(given) / speed:.6g} is asked for{_rows(conflict)}. Give another {obstacle.kind} speed, "
-            "or a motion that is at rest there."
-        )
-        return status, why, conflict
+        given = None if on_way else self.ends[kind == "end"]
+        conflict = self._conflict(k, obstacle.reach if on_way else obstacle.next_reach, given)
+        rows = "" if conflict is None else f"; these conflict{conflict.with_load}: {rows_text(conflict.rows, '; ')}"
+        place, speed = self._place(k), self.piece.speed[k + on_way]
+        low, high = (np.sqrt(x) / speed if speed > 0 else 0.0 for x in obstacle.reach)
+        if given is None:
+            why = (
+                f"no speed at {place} leads on to where the end can still be reached, ṙ in [{low:.6g}, {high:.6g}] at "
+                f"the next sample{rows}. Change the path or its end speeds, or raise a limit."
+            )
+            return RetimingStatus.NOT_CONTROLLABLE, why, conflict
+        why = f"the motion cannot {'start from' if kind == 'start' else 'come to'} rest at {place}{rows}."
+        if given > 0:
+            why = (
+                f"at {place} the motion may {kind} with ṙ in [{low:.6g}, {high:.6g}], but {np.sqrt(given) / speed:.6g} "
+                f"is asked for{rows}. Give another {kind} speed, or a motion that is at rest there."
+            )
+        return RetimingStatus(f"{kind} speed not admissible"), why, conflict
 
     def _place(self, sample: int) -> str:
         sample += self.piece.first
@@ -205,12 +196,6 @@ class _Search:
             if found is not None and (worst is None or found.widening > worst.widening):
                 worst = replace(found, sample=self.piece.first + sample, load=point)
         return worst
-
-
-def _rows(conflict: Conflict | None) -> str:
-    if conflict is None:
-        return ""
-    return f"; these conflict{conflict.with_load}: {rows_text(conflict.rows, '; ')}"
 
 
 def segment_conflict(

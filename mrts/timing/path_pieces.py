@@ -17,7 +17,7 @@ from mrts.base.arrays import Array, row_products
 from mrts.base.errors import InputError, MrtsError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.denser_motion import between_samples, denser
+from mrts.following.denser_motion import HERMITE, between_samples, denser
 from mrts.following.tracking import nearest_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
@@ -32,6 +32,9 @@ NEAR_REST = 1e-3
 
 LEAST_NODES = 60
 """Nodes of a piece where the given motion has fewer samples."""
+
+STRAIGHT = 1e-12
+"""Half a turn below which a chord is as long as its arc."""
 
 FINE = 32
 """Points of each segment by which the places of nodes are found; a node need not be anywhere exactly."""
@@ -150,16 +153,12 @@ def _piece(
     growth = row_products(dq, ddq) / q.shape[1] / np.where(speed > 0, speed, 1.0)
     for place, sign in ((0, 1.0), (-1, -1.0)):
         if rest[part][place]:
-            growth[place] = sign * np.sqrt(np.mean(ddq[place] ** 2))
-    time = given.time[part]
-    h = time[1:] - time[:-1]
+            growth[place] = sign * (ddq[place] @ ddq[place] / q.shape[1]) ** 0.5
+    h = given.time[first + 1 : last + 1] - given.time[first:last]
     step = h / 2 * (speed[:-1] + speed[1:]) + h**2 / 12 * (growth[:-1] - growth[1:])
 
-    away = np.append(0.0, step).cumsum()
-    (moving,), (continued,) = moves.nonzero(), (~moves).nonzero()
-    after = moving.searchsorted(continued)
-    before, after = moving[np.maximum(after - 1, 0)], moving[np.minimum(after, len(moving) - 1)]
-    of = np.where(np.abs(continued - before) <= np.abs(after - continued), before, after)
+    away, (moving,), (continued,) = _summed(step), moves.nonzero(), (~moves).nonzero()
+    of = moving[((moving[:-1] + moving[1:]) / 2).searchsorted(continued)]  # the nearest, the former of two
     safe = np.where(moves, speed, 1.0)[:, None]
 
     def along_arc(rate: Array, change: Array) -> tuple[Array, Array]:
@@ -175,12 +174,12 @@ def _piece(
     # with a course velocities near rest are a spline's, the positions are what was given
     exact = arcs > 0 if motion.course is not None else moves[:-1] & moves[1:]
     step = np.where(exact, arcs, step)
-    s = np.append(0.0, step).cumsum()
+    s = _summed(step)
     back = (row_products(direction[1:], direction[:-1]) <= 0) | (step <= 0)
     if back.any():
         cure = "it stops between two samples. Give a sample at the turning point"
         raise _stationary(motion, first + int(np.argmax(back)), "turns back on itself", cure)
-    if not ((s[1:] > s[:-1]).all() and np.isfinite(s).all() and np.isfinite([bend.sum(), change.sum()]).all()):
+    if not ((s[1:] > s[:-1]).all() and np.isfinite(s[-1] + bend.sum() + change.sum())):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
     carried = ObjectMotion(s, given.position[part], given.rotation[part], turning, change, checked=False)
@@ -197,6 +196,11 @@ def _piece(
     )
 
 
+def _summed(step: Array) -> Array:
+    """Where segments start and end, from 0, Shape (n,)."""
+    return np.concatenate([np.zeros(1), step]).cumsum()
+
+
 def root_mean_square(values: Array) -> Array:
     """Over the joints, Shape (N,) of (N, m)."""
     found: Array = np.sqrt(row_products(values, values) / values.shape[1])
@@ -209,8 +213,8 @@ def _arcs(q: Array, direction: Array) -> Array:
     They do not depend on the timing, which may have a kink between two samples.
     """
     chord, turn = root_mean_square(q[1:] - q[:-1]), root_mean_square(direction[1:] - direction[:-1])
-    half = np.minimum(turn / 2, 1.0)
-    arcs: Array = chord * np.divide(np.arcsin(half), half, out=np.ones_like(half), where=half > 0)
+    half = (turn / 2).clip(STRAIGHT, 1.0)
+    arcs: Array = chord * np.arcsin(half) / half
     return arcs
 
 
@@ -240,7 +244,10 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
         n, s = len(piece.speed), piece.arc
         time = given[piece.first : piece.first + n]
         places = np.linspace(0, 1, max(n, LEAST_NODES))[1:-1]
-        fine, way = _way(time, s, piece.speed)
+        h, u = np.diff(time), np.arange(FINE) / FINE  # between samples the way is a cubic polynomial
+        ends = np.stack([s[:-1], h * piece.speed[:-1], s[1:], h * piece.speed[1:]], axis=1)
+        way = np.maximum.accumulate(np.append(ends @ HERMITE @ u ** np.arange(4)[:, None], s[-1]))
+        fine = np.append(time[:-1, None] + h[:, None] * u, time[-1])
         wanted = np.interp(s[-1] * QUINTICS[stops(piece, end_speeds)](places), way, fine)
         times.append(wanted[(wanted > time[0]) & (wanted < time[-1])])
         kept.append(piece.first + n - 1)
@@ -249,16 +256,6 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
     whole = with_samples(cell, motion, added)
     chosen = np.flatnonzero(np.isin(whole.object.time, np.concatenate([added, given[kept]])))
     return whole.at(chosen, whole.object.time[chosen])
-
-
-def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
-    """Finely spaced times and the arc length there, a cubic polynomial by its values and slopes on each segment."""
-    h, u = np.diff(time)[:, None], np.arange(FINE) / FINE
-    rise, start, end = np.diff(s)[:, None], h * speed[:-1, None], h * speed[1:, None]
-    way = s[:-1, None] + u * start + u**2 * (3 * rise - 2 * start - end) + u**3 * (start + end - 2 * rise)
-    fine = time[:-1, None] + h * u
-    rising = np.maximum.accumulate(np.append(way.ravel(), s[-1]))
-    return np.append(fine.ravel(), time[-1]), rising
 
 
 def smooth_pieces(

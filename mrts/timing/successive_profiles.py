@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.programs import backward
+from mrts.kernel.programs import fastest_speeds
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.smooth_program import segment_times
 from mrts.timing.fastest_profile import (
@@ -156,7 +156,7 @@ class _Search:
         return intersect_regions([speed_regions(one, length, (given[0] or 0.0, given[1] or 0.0)) for one in rows])
 
     def fastest(self, regions: SpeedRegions) -> SpeedProfile | None:
-        found = None if regions.undecided else fastest_profile(self.step, regions, self.ends)
+        found = None if regions.undecided.any() else fastest_profile(self.step, regions, self.ends)
         return found if isinstance(found, SpeedProfile) else None
 
     def duration(self, profile: SpeedProfile) -> float:
@@ -204,7 +204,7 @@ class _Search:
             if x is not None:
                 low[place] = high[place] = x
         low, high = np.maximum(regions.lower, low), np.minimum(regions.upper, high)
-        high[list(regions.undecided)] = -np.inf
+        high[regions.undecided] = -np.inf
         return replace(regions, lower=low, upper=high)
 
 
@@ -242,7 +242,7 @@ def _backward(
         return None
     lower, upper = np.array([cell.lower[i], to.low]), np.array([cell.upper[i], to.high])
     start, planes = _joined([(cell, i), (next_cell, i + 1)])
-    failed = backward(np.array([step]), np.zeros(1), start, planes, lower, upper)
+    failed, _ = fastest_speeds(np.array([step]), np.zeros(1), start, planes, lower, upper, 0.0)
     return None if failed >= 0 else (float(lower[0]), float(upper[0]))
 
 
@@ -257,7 +257,7 @@ def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedR
         chosen.append(ahead[chosen[-1].next])
     at = [(cells[one.cell], i) for i, one in enumerate(chosen)]
     lower, upper = np.array([(cell.lower[i], cell.upper[i]) for cell, i in at]).T
-    return SpeedRegions(*_joined(at), lower, upper, max(cell.bound for cell in cells), ())
+    return SpeedRegions(*_joined(at), lower, upper, max(cell.bound for cell in cells), lower > upper)
 
 
 def _obstacle(

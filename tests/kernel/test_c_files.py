@@ -78,7 +78,7 @@ def test_arguments_have_the_types_that_c_declares(planar_cell):
     large = PROGRAM(nodes=1 << 30, rows=3, free=2)
     assert _library().mrts_smooth_kept(large) > 3 * large.nodes  # of an int, what is left below 2³¹
     with pytest.raises(ctypes.ArgumentError):
-        library.mrts_effects(1.5, 1, 1, 1, np.zeros(1, dtype=np.int32), np.zeros(1), np.zeros(1))
+        library.mrts_batch_work(1.5, 1, np.zeros(1), np.zeros(1))
 
 
 def test_a_library_that_lacks_a_function_is_refused():

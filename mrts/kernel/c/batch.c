@@ -188,9 +188,10 @@ static int mrts_controllable(const mrts_bounds *bounds, long long meet[2][2], do
 }
 
 /* Backward: the controllable sets [low, high] of samples 0 .. last, given as bounds of x and that of the last sample.
- * Returns the sample that has none, -1 if all have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. */
-MRTS_EXPORT long long mrts_backward(long long last, const double *step, const double *rise, const long long *start,
-                                    const double *planes, double *low, double *high, double *work) {
+ * Forward: from the x[0] in them the largest controllable speed at each next sample. Returns the sample that has none, -1 if all
+ * have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. */
+MRTS_EXPORT long long mrts_fastest(long long last, const double *step, const double *rise, const long long *start,
+                                   const double *planes, double *low, double *high, double *x, double *work) {
     long long meet[2][2] = {{-1, -1}, {-1, -1}};
     for (long long i = last - 1; i >= 0; --i) {
         const double reach[2] = {low[i + 1], high[i + 1]};
@@ -198,18 +199,14 @@ MRTS_EXPORT long long mrts_backward(long long last, const double *step, const do
                                                 planes + 3 * start[i + 2], reach, low[i], high[i], work);
         if (!mrts_controllable(&bounds, meet, low + i, high + i)) return i;
     }
-    return -1;
-}
-
-/* Forward: from x[0] the largest controllable speed at each next sample. */
-MRTS_EXPORT void mrts_forward(long long last, const double *step, const double *rise, const long long *start,
-                              const double *planes, const double *low, const double *high, double *x, double *work) {
-    for (long long i = 0; i < last; ++i) {
+    for (long long i = 0; i <= last; ++i) {
+        x[i] = x[i] < low[i] ? low[i] : x[i] > high[i] ? high[i] : x[i];
+        if (i == last) break;
         const double reach[2] = {low[i + 1], high[i + 1]};
         const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], planes + 3 * start[i + 1],
                                                 planes + 3 * start[i + 2], reach, x[i], x[i], work);
         const mrts_rates u = mrts_rates_at(&bounds, x[i]);
-        const double next = x[i] + 2 * step[i] * (u.most >= u.least ? u.most : (u.most + u.least) / 2);
-        x[i + 1] = next < low[i + 1] ? low[i + 1] : next > high[i + 1] ? high[i + 1] : next;
+        x[i + 1] = x[i] + 2 * step[i] * (u.most >= u.least ? u.most : (u.most + u.least) / 2);
     }
+    return -1;
 }

@@ -352,58 +352,62 @@ static mrts_lane_mask mrts_known_outline(const mrts_lane_polytopes *in, const mr
     return known;
 }
 
-/* The largest coefficient of each unknown in rows which[0 .. rows - 1] of `all` rows of A, without its sign: Shape (count, k).
- * Zeros on entry. */
-MRTS_EXPORT void mrts_effects(long long count, int k, int all, int rows, const int *which, const double *A,
-                              double *effect) {
-    for (long long n = 0; n < count; ++n, A += all * k, effect += k) {
-        for (int i = 0; i < rows; ++i) {
-            const double *row = A + which[i] * k;
-            MRTS_UNROLL
-            for (int j = 0; j < k; ++j) {
-                const double size = MRTS_ABS(row[j]);
-                if (!(size <= effect[j])) effect[j] = size;
-            }
-        }
-    }
-}
+/* Projections end where u or x moves some row by this many limits; what reaches that far counts as unbounded. */
+#define MRTS_BOX 1e5
 
-/* The half-planes n_u u + n_x x <= h of polygons, number[n] corners (u, x) of each in a row, counter-clockwise: the edges that
- * are not those of |u| <= box or x <= cap (`near` is the share from which one is), and of a point or a segment what bounds it
- * along itself, where u has a unit. Units of u and x are (count, 2). Those of polygon n are start[n] .. start[n + 1] - 1 of
- * `planes`, which have room for two a polygon more than there are corners. Least and largest x of each too, 0 of none. */
-MRTS_EXPORT void mrts_half_planes(long long count, const int *number, const double *corners, const double *unit,
-                                  const double *cap, double box, double near, long long *start, double *planes, double *low,
-                                  double *high) {
+/* Share of such an end from which a corner lies on it: rounding. */
+#define MRTS_NEAR (1 - 1e-6)
+
+/* The half-planes n_u u + n_x x <= h of samples: both sides of rows which[0 .. alone - 1], of u and x alone,
+ * and the edges of their projections, number[n] corners (u, x) of each in a row, counter-clockwise, that are not
+ * those of |u| <= MRTS_BOX or x <= most; of a point or a segment what bounds it along itself. `bound` and scale are those of
+ * mrts_scales. Those of sample n are start[n] .. start[n + 1] - 1 of `planes`. Least
+ * and largest x of each too. */
+MRTS_EXPORT void mrts_half_planes(long long count, int k, int all, int alone, const int *which, const double *A,
+                                  const double *lower, const double *upper, const double *scale, const int *number,
+                                  const double *corners, const double *most, double bound, long long *start,
+                                  double *planes, double *low, double *high) {
     double *next = planes;
     for (long long n = 0; n < count; corners += 2 * number[n++]) {
-        const double u_unit = unit[2 * n], x_unit = unit[2 * n + 1];
-        double least = INFINITY, most = -INFINITY;
+        const double *unit = scale + n * k + k - 2, per_u = unit[0] > 0 ? 1 / unit[0] : 0, per_x = unit[1] > 0 ? 1 / unit[1] : 0;
+        const double farthest = bound * per_x < MRTS_BOX ? bound * per_x : MRTS_BOX;
+        const double cap = most[n] * per_x < farthest ? most[n] * per_x : farthest;
+        double least_u = INFINITY, most_u = -INFINITY, least_x = INFINITY, most_x = -INFINITY;
         start[n] = (next - planes) / 3;
-        low[n] = high[n] = number[n] > 0 ? corners[1] : 0;
+        for (int i = 0; i < 2 * alone; ++i) {
+            const int row = which[i / 2];
+            const double sign = i % 2 ? -1 : 1, limit = i % 2 ? -lower[n * all + row] : upper[n * all + row];
+            if (limit == INFINITY) continue;
+            next[0] = per_u > 0 ? sign * A[(n * all + row) * k + k - 2] : 0;
+            next[1] = per_x > 0 ? sign * A[(n * all + row) * k + k - 1] : 0;
+            next[2] = limit;
+            next += 3;
+        }
         for (int i = 0; i < number[n]; ++i) {
             const double *here = corners + 2 * i, *after = corners + 2 * ((i + 1) % number[n]);
             const double along_u = after[0] - here[0], along_x = after[1] - here[1];
             const double length = MRTS_SQRT(along_u * along_u + along_x * along_x);
             const double inner = here[1] < after[1] ? here[1] : after[1], outer = here[1] < after[1] ? after[1] : here[1];
-            if (here[0] < least) least = here[0];
-            if (here[0] > most) most = here[0];
-            if (here[1] < low[n]) low[n] = here[1];
-            if (here[1] > high[n]) high[n] = here[1];
-            if (!(length > 0) || (MRTS_ABS(here[0]) >= near * box && MRTS_ABS(after[0]) >= near * box)) continue;
-            if (inner >= near * cap[n] || outer <= 1 / (box * box)) continue;
-            const double normal_u = along_x / length, normal_x = -along_u / length;
-            next[0] = normal_u / u_unit;
-            next[1] = normal_x / x_unit;
-            next[2] = normal_u * here[0] + normal_x * here[1];
+            if (here[0] < least_u) least_u = here[0];
+            if (here[0] > most_u) most_u = here[0];
+            if (here[1] < least_x) least_x = here[1];
+            if (here[1] > most_x) most_x = here[1];
+            if (!(length > 0) || (MRTS_ABS(here[0]) >= MRTS_NEAR * MRTS_BOX && MRTS_ABS(after[0]) >= MRTS_NEAR * MRTS_BOX)) continue;
+            if (inner >= MRTS_NEAR * cap || outer <= 1 / (MRTS_BOX * MRTS_BOX)) continue;
+            next[0] = along_x / length * per_u;
+            next[1] = -along_u / length * per_x;
+            next[2] = (along_x * here[0] - along_u * here[1]) / length;
             next += 3;
         }
-        if (number[n] < 1 || number[n] > 2 || !(u_unit < INFINITY)) continue;
-        next[0] = 1 / u_unit;
-        next[3] = -1 / u_unit;
+        low[n] = least_x > 0 && number[n] > 0 ? least_x * unit[1] : 0;
+        high[n] = per_x > 0 && most_x < MRTS_NEAR * farthest && number[n] > 0 ? most_x * unit[1] : INFINITY;
+        if (most[n] < high[n]) high[n] = most[n];
+        if (number[n] < 1 || number[n] > 2 || !(per_u > 0)) continue;
+        next[0] = per_u;
+        next[3] = -per_u;
         next[1] = next[4] = 0;
-        next[2] = most;
-        next[5] = -least;
+        next[2] = most_u;
+        next[5] = -least_u;
         next += 6;
     }
     start[count] = (next - planes) / 3;
@@ -415,7 +419,7 @@ MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long
 }
 
 /* `count` projections of { z : lower <= A z <= upper, least <= (u, x) <= most }, see mrts_polytopes. Each starts from the one
- * before, the first of a chunk cold. */
+ * before, the first of a chunk cold. The corners of all are in a row. */
 MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, const int *which, const double *A,
                                     const double *lower, const double *upper, const double *scale, const double *least,
                                     const double *most, int *corner_count, double *corners, unsigned char *status,
@@ -433,8 +437,7 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
     lanes.basis = project_iwork + MRTS_PROJECT_IWORK(k, rows);
     const mrts_lane_mask none = {0};
     mrts_lane_mask known = none;
-    for (long long n = 0; n < count; ++n) {
-        double *found = corners + n * 2 * MRTS_CORNERS;
+    for (long long n = 0; n < count; corners += 2 * corner_count[n++]) {
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) {
             mrts_take_polytopes(n, &lanes);
@@ -442,9 +445,9 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
         }
         if (known[lane]) {
             for (int i = 0; i < outline.count; ++i) {
-                mrts_take_lane(2, lanes.corner + i * MRTS_LANE_CORNER(k), lane, found + 2 * i);
+                mrts_take_lane(2, lanes.corner + i * MRTS_LANE_CORNER(k), lane, corners + 2 * i);
             }
-            outline.at = found;
+            outline.at = corners;
             corner_count[n] = outline.count;
             status[n] = MRTS_OPTIMAL;
             continue;
@@ -455,9 +458,89 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
         for (int attempt = 0; attempt < 2; ++attempt) {
             const int cold = outline.count == 0;
             corner_count[n] = 0;
-            status[n] = (unsigned char)mrts_project(&in, &outline, corner_count + n, found, project_work, project_iwork);
+            status[n] = (unsigned char)mrts_project(&in, &outline, corner_count + n, corners, project_work, project_iwork);
             if (status[n] == MRTS_OPTIMAL || status[n] == MRTS_INFEASIBLE || cold) break;
         }
         known = lane + 1 < MRTS_LANES && outline.count > 2 ? mrts_known_outline(&lanes, &outline) : none; /* beside this one */
+    }
+}
+
+/* Speeds squared above this multiple of what the path's length and its accelerations make likely count as unbounded. */
+#define MRTS_FARTHEST 1e3
+
+/* u has no effect where it moves no row by more than this share of what it does elsewhere: rounding. */
+#define MRTS_AT_REST 1e-12
+
+/* x has none where the largest likely one moves no row by more than this share of a limit: on a straight path what is left of
+ * it is rounding. */
+#define MRTS_NEGLIGIBLE 1e-11
+
+/* Samples whose accelerations are looked at, to learn how fast the path may become. */
+#define MRTS_PROBES 5
+
+/* The median of the largest |u| of some samples at rest, each at least that of a whole limit: some leave none. 0 where u moves
+ * nothing. Arguments as of mrts_project_batch. */
+static double mrts_likely_rate(long long count, int k, int all, int rows, const int *which, const double *A,
+                               const double *lower, const double *upper, const double *scale, double *work, int *iwork) {
+    const double least[2] = {-MRTS_BOX, 0}, most[2] = {MRTS_BOX, 0};
+    double likely[MRTS_PROBES] = {0}, corners[2 * MRTS_CORNERS];
+    long long moving = 0;
+    for (long long n = 0; n < count; ++n) moving += scale[n * k + k - 2] > 0;
+    for (int probe = 0; probe < MRTS_PROBES && moving > 0; ++probe) {
+        long long n = -1;
+        for (long long left = probe * (moving - 1) / (MRTS_PROBES - 1); left >= 0; left -= scale[n * k + k - 2] > 0) ++n;
+        int number, at = probe;
+        unsigned char status;
+        mrts_project_batch(1, k, all, rows, which, A + n * all * k, lower + n * all, upper + n * all, scale + n * k, least,
+                           most, &number, corners, &status, work, iwork);
+        double largest = 1;
+        for (int i = 0; i < number; ++i) largest = mrts_larger(MRTS_ABS(corners[2 * i]), largest);
+        largest *= scale[n * k + k - 2];
+        for (; at > 0 && likely[at - 1] > largest; --at) likely[at] = likely[at - 1];
+        likely[at] = largest;
+    }
+    return likely[MRTS_PROBES / 2];
+}
+
+/* What columns of rows which[0 .. rows - 1] are multiplied by, so that each moves some row by a limit at most, Shape (count, k):
+ * 0 of what moves none. x is counted in what may be reached on a path of some length with some largest x at its ends, if that is
+ * less; `bound`, an x that none reaches, is found where it is 0. And the bounds of a projection, as of mrts_polytopes; and `cap`,
+ * the largest x that rows which[rows .. rows + caps - 1], of x alone, allow. Zeros on entry. */
+MRTS_EXPORT void mrts_scales(long long count, int k, int all, int rows, int caps, const int *which, const double *A,
+                             const double *lower, const double *upper, double length, double ends, double *bound,
+                             double *scale, double *least, double *most, double *cap, double *work, int *iwork) {
+    double rate = 0, largest_cap = 1;
+    for (long long n = 0; n < count; ++n) {
+        double *size = scale + n * k, share = 0;
+        for (int i = 0; i < rows; ++i) {
+            const double *row = A + (n * all + which[i]) * k;
+            MRTS_UNROLL
+            for (int j = 0; j < k; ++j) {
+                if (!(MRTS_ABS(row[j]) <= size[j])) size[j] = MRTS_ABS(row[j]);
+            }
+        }
+        for (int i = rows; i < rows + caps; ++i) {
+            const long long row = n * all + which[i];
+            const double square = A[row * k + k - 1];
+            if (square != 0) share = mrts_larger(square / (square > 0 ? upper[row] : lower[row]), share);
+        }
+        cap[n] = 1 / share;
+        rate = mrts_larger(size[k - 2], rate);
+        if (cap[n] < INFINITY) largest_cap = mrts_larger(cap[n], largest_cap);
+    }
+    for (long long i = 0; i < count * k; ++i) {
+        scale[i] = scale[i] > (i % k == k - 2 ? mrts_larger(MRTS_AT_REST * rate, MRTS_NO_EFFECT) : MRTS_NO_EFFECT) ? 1 / scale[i] : 0;
+    }
+    if (!(*bound > 0)) {
+        const double likely = 2 * length * mrts_likely_rate(count, k, all, rows, which, A, lower, upper, scale, work, iwork);
+        *bound = MRTS_FARTHEST * mrts_larger(ends, likely > 0 ? likely : largest_cap);
+    }
+    for (long long n = 0; n < count; ++n) {
+        double *unit = scale + n * k + k - 2;
+        const double reached = -mrts_larger(-*bound / MRTS_FARTHEST, -cap[n]);
+        unit[1] = reached > MRTS_NEGLIGIBLE * unit[1] ? -mrts_larger(-unit[1], -reached) : 0;
+        most[2 * n] = unit[0] > 0 ? MRTS_BOX : 0;
+        least[2 * n] = -most[2 * n];
+        if (unit[1] > 0) most[2 * n + 1] = -mrts_larger(mrts_larger(-*bound, -cap[n]) / unit[1], -MRTS_BOX);
     }
 }
