@@ -291,7 +291,7 @@ def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
     cell, motion, count = plan.cell, plan.motion, plan.motion.samples
     rows = motion_rows(cell, motion, plan.options.sharing)
     dry = (
-        np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.rows.torque_matrix.T / rows.given.units
+        np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.given.torque_matrix.T / rows.given.units
     )
     most, none = plan.most, np.zeros(count)
     of_loads = []

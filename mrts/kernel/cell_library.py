@@ -41,20 +41,25 @@ class CellLibrary:
         self.joints = sum(len(robot.joints) for robot in manifest.cell.robots)
         self.unknowns, self.wrenches = components * (self.robots - 1) + 1, components * self.robots
 
-    def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
-        """Evaluate a generated function at all samples; see `mrts.Cell.functions`."""
+    def map(self, name: str, samples: int, inputs: dict[str, Array], *, varying: bool = False) -> dict[str, Array]:
+        """Evaluate a generated function at all samples; see `mrts.Cell.functions`.
+
+        Where the speed varies, the maps of a formulation get the column of r̈ before that of ṙ², which is their last.
+        """
         record = self.records[name]
         given, strides = sample_inputs(record, samples, inputs)
-        outputs, sizes = dict[str, Array](), list[int]()
+        outputs, sizes, ahead = dict[str, Array](), list[int](), list[int]()
         for short, (rows, columns) in record.outputs.items():
-            outputs[short] = np.empty((samples, columns, rows))
-            sizes.append(rows * columns)
+            ahead.append(rows if varying and short.endswith("_map") else 0)
+            sizes.append(rows * columns + ahead[-1])
+            outputs[short] = np.empty((samples, sizes[-1] // rows, rows))
         places = pointers(outputs.values())
         if name == "wrench_form":
-            self.opened.mrts_forms(samples, given, strides, places, sizes)
+            self.opened.mrts_forms(samples, varying, given, strides, places)
         else:
-            function = self.address(name)
-            self.opened.mrts_map(function, samples, len(strides), given, strides, len(sizes), places, sizes)
+            moving = pointers([np.empty(size) for size in sizes]) if varying else None
+            of = self.address(name), samples, len(strides), given, strides
+            self.opened.mrts_map(*of, len(sizes), places, sizes, ahead, moving)
         for output, value in outputs.items():
             outputs[output] = value[:, 0] if value.shape[1] == 1 else value.transpose(0, 2, 1)
         return outputs

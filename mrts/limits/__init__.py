@@ -7,13 +7,14 @@ May import base to following. Start at `cell_limits.py`.
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 from mrts.base.arrays import freeze
 from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_limits as of_cell
 from mrts.limits import motion_limits as of_motion
-from mrts.limits.rows import LimitRows, checked_rows, stack_rows
+from mrts.limits.rows import LimitRows, checked_rows, kernel_limits, stack_rows
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 """The rows of a limit along a motion; one of your own: docs/extending.md."""
@@ -64,6 +65,12 @@ def fixed_rows(cell: Cell) -> LimitRows:
     rows = stack_rows([of_cell.torque_limits(cell), of_cell.wrench_limits(cell)]).bounded()
     freeze(rows)
     return rows
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def fixed_limits(cell: Cell) -> Any:
+    """`fixed_rows` as C reads them."""
+    return kernel_limits(cell, fixed_rows(cell))
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

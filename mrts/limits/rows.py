@@ -79,8 +79,9 @@ RATES = {"torque rate", "wrench rate", "jerk"}
 COLUMNS = ("rate", "speed", "square", "offset")
 """Attributes of rows with a number for each sample."""
 
-OF_ROWS = ("lower", "upper", "torque_matrix", "wrench_matrix", "object_matrix", "size")
-"""Attributes with an entry for each row."""
+GIVEN = ("lower", "upper", "torque_matrix", "wrench_matrix")
+OF_ROWS = (*GIVEN, "object_matrix", "size")
+"""Attributes with an entry for each row, which are always given, and all."""
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -393,7 +394,8 @@ class LimitRows:
     def is_of_speed(self) -> NDArray[np.bool_]:
         """Rows that nothing but the speed moves, Shape (r,)."""
         count = len(self.names)
-        return np.asarray(~(self.of_forces | moved(self.rate, count) | moved(self.offset, count)))
+        forces = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1) | self.in_object_axes.any(axis=1)
+        return np.asarray(~(forces | moved(self.rate, count) | moved(self.offset, count)))
 
     @property
     def in_object_axes(self) -> Array:
@@ -411,17 +413,6 @@ class LimitRows:
         """Number of each row's `RowName.group`, from 0."""
         known: dict[str, int] = {}
         return [known.setdefault(name.group, len(known)) for name in self.names]
-
-    @cached_property
-    def compressed(self) -> Any:
-        """The rows as C reads them where none is in object axes."""
-        return _compressed(self)
-
-    @property
-    def of_forces(self) -> NDArray[np.bool_]:
-        """Rows with torques or wrenches in them, Shape (r,)."""
-        found = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1)
-        return np.asarray(found if self.object_matrix is None else found | self.object_matrix.any(axis=1))
 
 
 def side_size(limit: Array, units: Array) -> Array:
@@ -462,10 +453,7 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
 
     return LimitRows(
         names=names,
-        lower=joined("lower"),
-        upper=joined("upper"),
-        torque_matrix=joined("torque_matrix"),
-        wrench_matrix=joined("wrench_matrix"),
+        **{name: joined(name) for name in GIVEN},
         object_matrix=None if axes is None else joined("in_object_axes"),
         object_axes=axes,
         **columns,
@@ -474,23 +462,14 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
 
 
 def kernel_limits(cell: Cell, rows: LimitRows) -> Any:
-    """The rows as C reads them, without the terms of single samples.
-
-    Raises:
-        ValueError: If a lower limit is not at most the upper one.
-    """
-    return rows.compressed if rows.object_matrix is None else _compressed(rows, *base_axes(cell))
-
-
-def _compressed(rows: LimitRows, base: Array | None = None, axes: Sequence[int] = (0, 1, 2)) -> Any:
-    matrix, wrong = rows.matrix, np.flatnonzero(~(rows.lower <= rows.upper))
-    if wrong.size:
-        raise ValueError(f"rows {wrong.tolist()}: a lower limit is above its upper one")
-    row, column = np.nonzero(matrix)
+    """The rows as C reads them, without the terms of single samples."""
+    matrix = rows.matrix
+    row, column = matrix.nonzero()
+    base, axes = (None, (0, 1, 2)) if rows.object_matrix is None else base_axes(cell)
     return filled(
         structure("rows.h", "mrts_limits"),
         rows=len(matrix),
-        start=np.append(0, np.cumsum(np.bincount(row, minlength=len(matrix)))),
+        start=np.searchsorted(row, np.arange(len(matrix) + 1)),
         column=column,
         value=matrix[row, column],
         lower=np.maximum(rows.lower, -INFINITY),

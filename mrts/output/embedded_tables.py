@@ -79,7 +79,6 @@ def embedded_tables(cell: Cell, motion: CoordinatedMotion) -> dict[str, NDArray[
             _check_constant(limit_name(limit), given, other)
             pieces.append(given)
     rows = stack_rows(pieces)
-    groups = list(dict.fromkeys(name.group for name in rows.names))
     velocity = velocity_rows(cell, probes[0])
     most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
     row, column = np.nonzero(rows.matrix)
@@ -92,7 +91,7 @@ def embedded_tables(cell: Cell, motion: CoordinatedMotion) -> dict[str, NDArray[
         "ROW_VALUE": rows.matrix[row, column],
         "LOWER": rows.lower,
         "UPPER": rows.upper,
-        "ROW_GROUP": np.array([groups.index(name.group) for name in rows.names], dtype=np.intp),
+        "ROW_GROUP": np.array(rows.groups, dtype=np.intp),
         "VELOCITY": np.concatenate([most, limits[~is_line]]),
         **_motors(cell, joint, slope, line_rows),
     }

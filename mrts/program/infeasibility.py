@@ -228,8 +228,8 @@ def motion_widening(
 
 def _passed_caps(rows: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:
     """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,)."""
-    if rows.rows.square is None or not rows.is_cap.any():
+    if not (np.abs(rows.cap_share[samples]) * c2[:, None] > 1).any():
         return np.zeros(len(samples))
     lower, upper, size = rows.rows.lower[rows.is_cap], rows.rows.upper[rows.is_cap], rows.given.units[rows.is_cap]
-    value = rows.rows.square[samples[:, None], rows.is_cap.nonzero()[0]] * c2[:, None]
+    value = np.asarray(rows.rows.square)[samples[:, None], rows.is_cap.nonzero()[0]] * c2[:, None]
     return np.asarray((np.maximum(value - upper, lower - value) / size).max(axis=1, initial=0.0))

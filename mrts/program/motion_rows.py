@@ -15,12 +15,14 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.binding import filled, structure, work_arrays
 from mrts.kernel.cell_library import sample_inputs
-from mrts.limits import fixed_rows, limit_rows
+from mrts.limits import fixed_limits, fixed_rows, limit_rows
 from mrts.limits.rows import LimitRows, few_sides, kernel_limits, moved
 from mrts.motion.rows_at_rest import REST
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
+
+TERMS = structure("rows.h", "mrts_terms")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,16 +100,15 @@ CAPS_TIE = 2e-7
 MOST_ROWS = 32_767
 """The kernel keeps the rows of each sample's answer as 16-bit numbers."""
 
-SQUARE_AT_REST = 1e-24
-"""A squared speed below this share of its largest along the motion is rounding of rest."""
+SPEED_AT_REST = 1e-12
+"""A speed below this share of its largest along the motion is rounding of rest."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class MotionRows:
     """All limits of a cell along a motion of N samples, and what its motors add, as every program takes them.
 
     Programs are those of a formulation, "wrench" or "torque", or of a fixed distribution of the load, for a solver.
-    In `rows`, of the form that `LimitRows` gives, those with no term but b ṙ are rewritten in ṙ².
 
     Attributes:
         cell: The cell.
@@ -116,11 +117,6 @@ class MotionRows:
         formulation: That of the programs where the distribution is free.
         solver: Name in the registry of what solves them.
         given: The r rows as they were given.
-        rows: The same rows, those of the speed alone in ṙ².
-        unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
-        is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
-            Shape (r,).
-        cap_share: What each of these s caps is of its limit at ṙ = 1, Shape (N, s).
         motors: What motors add; None where they are ideal.
     """
 
@@ -130,11 +126,74 @@ class MotionRows:
     formulation: FormulationName
     solver: str
     given: LimitRows
-    rows: LimitRows
-    unit: Array
-    is_cap: NDArray[np.bool_]
-    cap_share: Array
     motors: MotorTerms | None
+
+    @cached_property
+    def _of_speed(self) -> tuple[NDArray[np.intp], NDArray[np.bool_], Array]:
+        """Rows with no term but b ṙ or e ṙ²: their s places, which of them have b, and b or e, Shape (N, s)."""
+        given, r = self.given, len(self.given.names)
+        by_speed, by_square = moved(given.speed, r), moved(given.square, r)
+        places = (given.is_of_speed & ~(by_speed & by_square)).nonzero()[0]
+        term = np.zeros((self.motion.samples, len(places)))
+        for column in (given.speed, given.square):
+            if column is not None:
+                term += column[:, places]
+        by_speed, size = by_speed[places], np.abs(term)
+        rest = np.where(by_speed, SPEED_AT_REST, SPEED_AT_REST**2)
+        term[size <= rest * size.max(axis=0, initial=0.0)] = 0.0
+        return places, by_speed, term
+
+    @cached_property
+    def is_cap(self) -> NDArray[np.bool_]:
+        """Rows that standstill keeps and nothing but the speed moves: they only bound ṙ² from above, Shape (r,)."""
+        (places, _, term), found = self._of_speed, np.zeros(len(self.given.names), dtype=bool)
+        least, most = self.given.lower[places], self.given.upper[places]
+        passed = (term > 0).any(axis=0) & (most <= 0) | (term < 0).any(axis=0) & (least >= 0)
+        found[places] = (least <= 0) & (most >= 0) & ~passed
+        return found
+
+    @cached_property
+    def cap_share(self) -> Array:
+        """What each of these s caps is of its limit at ṙ = 1, in ṙ², as from `side_share`, Shape (N, s)."""
+        (places, by_speed, term), caps = self._of_speed, self.is_cap
+        own, least, most = caps[places], self.given.lower[caps], self.given.upper[caps]
+        share = side_share(term[:, own], least, most)
+        return np.where(by_speed[own], share * np.where(least == -most, share, np.abs(share)), share)
+
+    @cached_property
+    def rows(self) -> LimitRows:
+        """The rows, those with no term but b ṙ in ṙ²: b |b| ṙ² between l |l| and u |u|, in units of their limits.
+
+        ṙ >= 0, and squares with their sign keep the order. Where the speed is limited alike in both directions that is
+        b² ṙ² <= u². A row with other terms beside ṙ keeps it.
+        """
+        given, (places, by_speed, term) = self.given, self._of_speed
+        if not len(places):
+            return given
+        size, least, most, speed = given.units[places], given.lower[places], given.upper[places], given.speed
+        alike = by_speed & (least == -most)
+
+        def in_squares(of: Array) -> Array:
+            return np.where(by_speed, of * np.abs(of) / size, of)
+
+        lower, upper, square = given.lower.copy(), given.upper.copy(), np.zeros((len(given.names), len(term))).T
+        if given.square is not None:
+            square[:] = given.square
+        square[:, places] = in_squares(np.where(alike, np.abs(term), term))
+        lower[places], upper[places] = np.where(alike, -np.inf, in_squares(least)), in_squares(most)
+        if speed is not None:
+            speed = speed.copy()
+            speed[:, places] = 0.0
+            speed = speed if speed.any() else None
+        return replace(given, lower=lower, upper=upper, square=square, speed=speed)
+
+    @property
+    def unit(self) -> Array:
+        """What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,)."""
+        places, by_speed, _ = self._of_speed
+        unit = self.given.units.copy()
+        unit[places[by_speed]] /= 2
+        return unit
 
     @cached_property
     def kept(self) -> LimitRows:
@@ -152,11 +211,12 @@ class MotionRows:
         """
         free = self.formulation == "wrench" and self.sharing is None
         few = len(self.kept.names) + self.cell.library.unknowns <= MOST_ROWS
-        return free and few and not (self.rows.lower > self.rows.upper).any()
+        return free and few and not (self.given.lower > self.given.upper).any()
 
     @cached_property
     def _limits(self) -> Any:
-        return kernel_limits(self.cell, self.kept)
+        fixed = self.kept is fixed_rows(self.cell)
+        return fixed_limits(self.cell) if fixed else kernel_limits(self.cell, self.kept)
 
     def over_samples(
         self,
@@ -176,10 +236,13 @@ class MotionRows:
         """
         library, count, limits = self.cell.library, len(asked[0]), self._limits
         given = sample_inputs(library.records["wrench_form"], count, self.inputs(load, samples))
-        where = count, *given, limits, self._terms(speed, samples)
+        kept, motors = self.kept, self.motors
+        if samples is not None:
+            kept, motors = kept.at(samples), None if motors is None else motors.at(samples)
+        where = count, *given, limits, added_terms(kept, motors, speed)
         work = work_arrays(library.opened, "mrts_samples", limits.rows)
         failed = getattr(library.opened, function)(*where, *asked, *for_all, *outputs, *work)
-        assert not failed  # noqa: S101 (`kernel_limits` has looked at the limits)
+        assert not failed  # noqa: S101 (`compiled` has looked at the limits)
 
     @cached_property
     def most(self) -> Array:
@@ -201,47 +264,49 @@ class MotionRows:
     @property
     def has_speed_terms(self) -> bool:
         """Whether a row has a term in ṙ beside others."""
-        return self.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
+        return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
     def along(self, motion: CoordinatedMotion) -> "MotionRows":
         """The rows of the same cell and the same programs along another motion."""
         return motion_rows(self.cell, motion, self.sharing, self.formulation, self.solver)
 
-    def _terms(self, speed: float | Array | None, samples: NDArray[np.intp] | None) -> Any:
-        """The `mrts_terms` of rows.h: what is added to the kept rows and to torques, with terms in a known ṙ put in."""
-        kept, motors = self.kept, self.motors
-        if samples is not None:
-            kept, motors = kept.at(samples), None if motors is None else motors.at(samples)
-        terms = {"square": kept.square, "speed": kept.speed, "offset": kept.offset}
-        if kept.speed is not None and speed is not None:
-            terms |= {"speed": None, "offset": kept.speed * speed + (0.0 if kept.offset is None else kept.offset)}
-        if motors is not None:
-            terms |= {
-                "torque_square": motors.square,
-                "torque_offset": motors.friction(0.0 if speed is None else speed),
-                "torque_speed": motors.speed if speed is None else None,
-                "margin": motors.margin(kept),
-            }
-        return filled(structure("rows.h", "mrts_terms"), **terms)
+
+def added_terms(rows: LimitRows, motors: MotorTerms | None, speed: float | Array | None = None) -> Any:
+    """The `mrts_terms` of rows.h: what is added to rows and to torques, with terms in a known ṙ put in."""
+    terms = {"square": rows.square, "speed": rows.speed, "offset": rows.offset}
+    if rows.speed is not None and speed is not None:
+        terms |= {"speed": None, "offset": rows.speed * speed + (0.0 if rows.offset is None else rows.offset)}
+    if motors is not None:
+        terms |= {
+            "torque_square": motors.square,
+            "torque_offset": motors.friction(0.0 if speed is None else speed),
+            "torque_speed": motors.speed if speed is None else None,
+            "margin": motors.margin(rows),
+        }
+    return filled(TERMS, **terms)
 
 
 def largest_square(cap_share: Array) -> Array:
     """Largest ṙ² that keeps all caps, infinity where none moves, Shape (…), of shares Shape (…, s)."""
     with np.errstate(divide="ignore"):
-        return np.asarray(1 / cap_share.max(axis=-1, initial=0.0), dtype=np.float64)
+        return np.asarray(1 / np.abs(cap_share).max(axis=-1, initial=0.0), dtype=np.float64)
 
 
 def side_share(square: Array, lower: Array, upper: Array) -> Array:
-    """What rows e ṙ² are of the limit on their side at ṙ = 1, 0 where they have none: Shape (…, s) as `square`."""
+    """What rows e ṙ² are of the limit on their side at ṙ = 1, below 0 on the lower, 0 where they have none.
+
+    Shape (…, s) as `square`.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(square > 0, square / upper, square / lower)
+        share = square / np.where(square > 0, upper, -lower)
     return np.where(square == 0, 0.0, share)
 
 
 def binds(share: Array) -> NDArray[np.bool_]:
     """Which caps bound ṙ², none at rest; shares as `MotionRows.cap_share`, of one sample or of all."""
-    most = share.max(axis=-1, initial=0.0, keepdims=True)
-    return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
+    size = np.abs(share)
+    most = size.max(axis=-1, initial=0.0, keepdims=True)
+    return np.asarray((size >= (1 - CAPS_TIE) * most) & (most > 0))
 
 
 def motion_rows(
@@ -255,61 +320,9 @@ def motion_rows(
 ) -> MotionRows:
     """A cell along a motion as the programs take it; for `circles` polygons have as many sides as tell these.
 
-    Rows that nothing but ṙ moves are linear in ṙ²: b ṙ becomes b |b| ṙ² between l |l| and u |u|, as ṙ >= 0 and squares
-    with their sign keep the order. Where the speed is limited alike in both directions that is b² ṙ² <= u². A row with
-    other terms beside ṙ keeps it.
-
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion.
     """
-    given, samples, motors = limit_rows(cell, motion), motion.samples, motor_terms(cell, motion)
+    given = limit_rows(cell, motion)
     given = given.only(few_sides(given.names)) if circles else given
-    size = given.units
-    rows, unit, is_cap, share = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
-    if given.speed is not None or given.square is not None:
-        alone, by_speed = given.is_of_speed, moved(given.speed, len(size))
-        mixed = by_speed & (~alone | moved(given.square, len(size)))
-        places = (alone & ~mixed).nonzero()[0]
-        rows, square = _in_squares(given, size, places)
-        if mixed.any() and given.speed is not None:
-            rows = replace(rows, speed=given.speed * mixed)
-        unit = np.where(by_speed & ~mixed, size / 2, size)
-        least, most = rows.lower[places], rows.upper[places]
-        passed = (square > 0).any(axis=0) & (most <= 0) | (square < 0).any(axis=0) & (least >= 0)
-        caps = (least <= 0) & (most >= 0) & ~passed
-        is_cap[places] = caps
-        share = side_share(square[:, caps], least[caps], most[caps])
-    return MotionRows(
-        cell=cell,
-        motion=motion,
-        sharing=sharing,
-        formulation=formulation,
-        solver=solver,
-        given=given,
-        rows=rows,
-        unit=unit,
-        is_cap=is_cap,
-        cap_share=share,
-        motors=motors,
-    )
-
-
-def _in_squares(given: LimitRows, size: Array, places: NDArray[np.int_]) -> tuple[LimitRows, Array]:
-    """The rows with ṙ² for ṙ in those of the speed alone, and the column of ṙ² of these, Shape (N, s)."""
-    size, least, most = size[places], given.lower[places] / size[places], given.upper[places] / size[places]
-    part = np.zeros(1)
-    if given.square is not None:
-        part = given.square[:, places] / size
-    if given.speed is not None:
-        share, of_speed = given.speed[:, places] / size, moved(given.speed, len(given.names))[places]
-        alike = of_speed & (least == -most)
-        part = part + share * np.where(alike, share, np.abs(share))
-        least = np.where(alike, -np.inf, np.where(of_speed, least * np.abs(least), least))
-        most = np.where(of_speed, most * np.abs(most), most)
-    magnitude = np.abs(part)
-    part[magnitude <= SQUARE_AT_REST * magnitude.max(axis=0, initial=0.0)] = 0.0
-    lower, upper, square = given.lower.copy(), given.upper.copy(), np.zeros((len(given.names), len(part))).T
-    if given.square is not None:
-        square[:] = given.square
-    square[:, places], lower[places], upper[places] = size * part, size * least, size * most
-    return replace(given, lower=lower, upper=upper, speed=None, square=square), square[:, places]
+    return MotionRows(cell, motion, sharing, formulation, solver, given, motor_terms(cell, motion))

@@ -38,11 +38,6 @@ class RateLimits(EqualByNumbers):
     def __post_init__(self) -> None:
         freeze(self)
 
-    @property
-    def limits_something(self) -> bool:
-        """Whether any of them is finite."""
-        return any(bool(np.any(np.isfinite(of))) for of in (self.torque, self.wrench, self.jerk))
-
     def to_json(self) -> dict[str, list[float | None]]:
         """One list a kind; None stands for infinity."""
         return {entry.name: without_infinity(getattr(self, entry.name)) for entry in fields(self)}
@@ -79,7 +74,7 @@ def rate_limits(cell: Cell, rates: Rates) -> RateLimits:
     """
     given = given_rate_limits(cell)
     if rates is True:
-        if not given.limits_something:
+        if not any(np.isfinite(of).any() for of in vars(given).values()):
             raise InputError("rates", f"the cell '{cell.name}' limits no rate. {WHAT_TO_GIVE}", value=rates)
         return given
     if not is_number(rates, 0, LARGEST_NUMBER) or rates == 0:

@@ -12,9 +12,11 @@ from mrts.base.arrays import Array, apply, with_part
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import ActiveRow, LimitRows, RowName, counted_sizes, turned
+from mrts.kernel.binding import filled
+from mrts.kernel.cell_library import pointers
+from mrts.limits.rows import ActiveRow, RowName, counted_sizes, kernel_limits
 from mrts.program.formulation import FORMULATIONS
-from mrts.program.motion_rows import MotionRows, MotorTerms, largest_square, side_share
+from mrts.program.motion_rows import TERMS, MotionRows, added_terms, largest_square, side_share
 from mrts.program.solvers import DEFAULT_SOLVER
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
@@ -30,7 +32,7 @@ NO_EFFECT = 1e-300
 MOVED = 1e-12
 """A row whose free unknowns have coefficients below this share of the sample's largest is moved by no distribution."""
 
-MAPS = ("torque_map", "torque_offset", "torque_speed", "wrench_map", "wrench_offset")
+FORM = ("torque_map", "torque_offset", "wrench_map", "wrench_offset")
 OF_ROWS = ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
 OF_SAMPLES = ("A", "lower", "upper", "speed")
 """Attributes with samples, with rows, and with rows of each sample."""
@@ -125,7 +127,7 @@ class SampleProblem:
 
     @property
     def cap_share(self) -> Array:
-        """What each cap is of its limit where the last unknown is 1, Shape (N, s)."""
+        """What each cap is of its limit where the last unknown is 1, as from `side_share`, Shape (N, s)."""
         caps = self.is_cap
         return side_share(self.square[:, caps], self.lower[:, caps], self.upper[:, caps])
 
@@ -162,7 +164,7 @@ class SampleProblem:
 
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
-        return with_part(self, (*MAPS, *OF_SAMPLES), samples)
+        return with_part(self, (*FORM, "torque_speed", *OF_SAMPLES), samples)
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
         """The same problem with s more rows, which have no term in ṙ; columns are their attributes."""
@@ -204,119 +206,70 @@ def build_sample_problem(
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
     """
-    cell, motion, formulation = rows.cell, rows.motion, rows.formulation
+    cell, motion, formulation, size = rows.cell, rows.motion, rows.formulation, rows.given.units
     inputs = rows.inputs(load, samples)
     if formulation not in FORMULATIONS:
         raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
     if rows.sharing is None and formulation == "torque":
         _check_invertible(cell, motion, np.arange(motion.samples) if samples is None else samples)
-    count, limits, motors = motion.samples, rows.rows, rows.motors
+    limits, motors = rows.rows, rows.motors
     if samples is not None:
-        count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
-    found = _maps(cell, "fixed_distribution" if rows.sharing else f"{formulation}_form", count, inputs, varying=varying)
-    if "equality_map" in found:
-        found = _balanced(found)
-    size = rows.given.units
-    found |= _rows_of_maps(limits, size, found, motors, varying=varying)
-    torque_speed, speed = None if motors is None else motors.speed, limits.speed
-    if torque_speed is not None:
-        speed = torque_speed @ limits.torque_matrix.T + (0.0 if speed is None else speed)
+        limits, motors = limits.at(samples), None if motors is None else motors.at(samples)
+    name = "fixed_distribution" if rows.sharing else f"{formulation}_form"
+    maps = cell.library.map(name, motion.samples if samples is None else len(samples), inputs, varying=varying)
+    maps = {key: _by_columns(value) if key.endswith("_map") else value for key, value in maps.items()}
+    if "equality_map" in maps:
+        maps = _balanced(maps)
+    (count, k, _), r = maps["torque_map"].shape, len(size)
+    A, (lower, upper) = np.empty((count, r, k)), np.empty((2, count, r))
+    speed = np.empty((count, r)) if rows.has_speed_terms else None
+    rate = {"torque_square": motors and motors.rate, "square": limits.rate} if varying else {}
+    cell.library.opened.mrts_form_rows(
+        *(count, k, pointers([maps[name] for name in FORM]), inputs["object_rotation"], kernel_limits(cell, limits)),
+        *(added_terms(limits, motors), filled(TERMS, **rate), size, np.arange(r, dtype=np.int32)),
+        *(A, lower, upper, speed, np.empty((k + 1) * (1 + cell.library.wrenches))),
+    )
     return SampleProblem(
-        **found,
-        torque_speed=torque_speed,
+        torque_map=maps["torque_map"].transpose(0, 2, 1),
+        torque_offset=maps["torque_offset"],
+        wrench_map=maps["wrench_map"].transpose(0, 2, 1),
+        wrench_offset=maps["wrench_offset"],
+        torque_speed=None if motors is None else motors.speed,
         names=rows.given.names,
         unit=rows.unit,
-        is_limit=np.ones(len(size), dtype=bool),
+        is_limit=np.ones(r, dtype=bool),
         is_cap=rows.is_cap,
-        speed=None if speed is None else speed / size,
+        A=A,
+        lower=lower,
+        upper=upper,
+        speed=speed,
         limit_lower=rows.given.lower,
         limit_upper=rows.given.upper,
         solver=rows.solver,
     )
 
 
-def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varying: bool) -> dict[str, Array]:
-    """What a generated formulation gives; maps have Shape (count, rows, k), with the column of r̈ where speed varies.
-
-    That column is the one of c² for the motion with velocities as accelerations: at q' = 0 and q'' → q' the terms E and
-    P are A and S, as no term quadratic in velocities is left.
-    """
-    found = cell.functions(name, count, inputs)
-    unknowns = found["torque_map"].shape[2] if found["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
-    by_rate = None
-    if varying:
-        dq, twist = inputs["dq"], inputs["object_twist"]
-        still = {"dq": np.zeros(dq.shape[1]), "object_twist": np.zeros(6), "ddq": dq, "object_acceleration": twist}
-        by_rate = _maps(cell, name, count, inputs | still, varying=False)
-    for key, value in found.items():
-        if key.endswith("_map"):
-            found[key] = value.reshape(count, -1, unknowns)
-            if by_rate is not None:  # maps lie in memory by columns
-                ours, theirs = found[key].transpose(0, 2, 1), by_rate[key].transpose(0, 2, 1)
-                found[key] = np.concatenate([ours[:, :-1], theirs[:, -1:], ours[:, -1:]], axis=1).transpose(0, 2, 1)
-    return found
+def _by_columns(value: Array) -> Array:
+    """A map, Shape (N, rows, k), or of one unknown (N, rows), as Shape (N, k, rows)."""
+    return value[:, None] if value.ndim == 2 else value.transpose(0, 2, 1)  # noqa: PLR2004 (N, rows)
 
 
 def _balanced(maps: dict[str, Array]) -> dict[str, Array]:
     """The torque form over what the balance of the object, equality_map x = equality_rhs, leaves free of τ."""
-    balance, rhs = maps["equality_map"], maps["equality_rhs"]
-    (count, laws, unknowns), torques = balance.shape, maps["torque_map"].shape[1]
+    balance, rhs = maps["equality_map"].transpose(0, 2, 1), maps["equality_rhs"]
+    (count, laws, unknowns), torques = balance.shape, maps["torque_map"].shape[2]
     *_, directions = np.linalg.svd(balance[:, :, :torques])
     inverse, free = np.linalg.pinv(balance[:, :, :torques]), torques - laws
-    turn = np.zeros((count, unknowns, unknowns - laws))  # x = turn [y, those of the speed] + shift
-    turn[:, :torques, :free] = directions[:, laws:].transpose(0, 2, 1)
-    turn[:, :torques, free:] = -inverse @ balance[:, :, torques:]
-    turn[:, torques:, free:] = np.eye(unknowns - torques)
+    turn = np.zeros((count, unknowns - laws, unknowns))  # x = turnᵀ [y, those of the speed] + shift
+    turn[:, :free, :torques] = directions[:, laws:]
+    turn[:, free:, :torques] = -(inverse @ balance[:, :, torques:]).transpose(0, 2, 1)
+    turn[:, free:, torques:] = np.eye(unknowns - torques)
     shift = np.zeros((count, unknowns))
     shift[:, :torques] = apply(inverse, rhs)
-    return {
-        "torque_map": maps["torque_map"] @ turn,
-        "torque_offset": maps["torque_offset"] + apply(maps["torque_map"], shift),
-        "wrench_map": maps["wrench_map"] @ turn,
-        "wrench_offset": maps["wrench_offset"] + apply(maps["wrench_map"], shift),
-    }
-
-
-def _rows_of_maps(
-    rows: LimitRows, size: Array, maps: dict[str, Array], motors: MotorTerms | None, *, varying: bool
-) -> dict[str, Array]:
-    """The limits over the unknowns, each row divided by its size; what motors add to c² and r̈ is added to the maps."""
-    if motors is not None:
-        maps["torque_offset"] = maps["torque_offset"] + motors.dry
-        maps["torque_map"][:, :, -1] += motors.square
-        if varying:
-            maps["torque_map"][:, :, -2] += motors.rate
-    moves = rows.of_forces
-    count, _, unknowns = maps["torque_map"].shape
-    A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
-    M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
-    moved_by_forces, given = _over_samples(M_torque, maps["torque_map"]), maps["torque_offset"] @ M_torque.T
-    if M_wrench.any():
-        moved_by_forces = moved_by_forces + _over_samples(M_wrench, maps["wrench_map"])
-        given = given + maps["wrench_offset"] @ M_wrench.T
-    A[:, moves], offset[:, moves] = moved_by_forces, given
-    if rows.object_matrix is not None and rows.object_axes is not None:
-        moved = rows.object_matrix.any(axis=1)
-        A[:, moved] += rows.object_matrix[moved] @ turned(rows.object_axes, maps["wrench_map"])
-        offset[:, moved] += turned(rows.object_axes, maps["wrench_offset"]) @ rows.object_matrix[moved].T
-    if rows.square is not None:
-        A[:, :, -1] += rows.square
-    if rows.offset is not None:
-        offset += rows.offset
-    if rows.rate is not None and varying:
-        A[:, :, -2] += rows.rate
-    inward = None if motors is None else motors.margin(rows)
-    margin = np.zeros(1) if inward is None else inward
-    lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
-    A /= size[:, None]
-    return {"A": A, "lower": lower, "upper": upper}
-
-
-def _over_samples(matrix: Array, maps: Array) -> Array:
-    """A matrix, Shape (r, s), times the maps of all samples, Shape (N, s, k), which lie by columns: one product."""
-    by_column = maps.transpose(0, 2, 1)
-    found: Array = (by_column.reshape(-1, by_column.shape[2]) @ matrix.T).reshape(*by_column.shape[:2], -1)
-    return found.transpose(0, 2, 1)
+    for of in ("torque", "wrench"):
+        its = maps[f"{of}_map"]
+        maps |= {f"{of}_map": turn @ its, f"{of}_offset": maps[f"{of}_offset"] + (shift[:, None] @ its)[:, 0]}
+    return maps
 
 
 def _check_invertible(cell: Cell, motion: CoordinatedMotion, samples: NDArray[np.int_]) -> None:

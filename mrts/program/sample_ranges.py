@@ -209,15 +209,12 @@ def _binding(dual: NDArray[np.floating[Any]]) -> NDArray[np.bool_]:
     return np.asarray(size > BINDING_TOLERANCE * size.max(axis=-1, initial=0.0, keepdims=True))
 
 
-def with_caps(ends: RangeEnds, is_cap: NDArray[np.bool_], cap_share: Array, square: Array | None) -> RangeEnds:
-    """The same ends with the caps that bind at the upper ones; `square` is that of all rows, Shape (N, r), if any."""
-    if square is None:
-        return ends
+def with_caps(ends: RangeEnds, rows: MotionRows | SampleProblem) -> RangeEnds:
+    """The same ends with the caps of rows that bind at the upper ones."""
     upper = ends["upper"]
-    at_cap = np.isfinite(upper) & (upper >= (1 - BINDING_TOLERANCE) * largest_square(cap_share))
-    sample, cap = (at_cap[:, None] & binds(cap_share)).nonzero()
-    row = is_cap.nonzero()[0][cap]
-    ends["duals"][sample, 1, row] = np.copysign(np.inf, square[sample, row])
+    at_cap = np.isfinite(upper) & (upper >= (1 - BINDING_TOLERANCE) * largest_square(rows.cap_share))
+    sample, cap = (at_cap[:, None] & binds(rows.cap_share)).nonzero()
+    ends["duals"][sample, 1, rows.is_cap.nonzero()[0][cap]] = np.copysign(np.inf, rows.cap_share[sample, cap])
     return ends
 
 
@@ -234,7 +231,7 @@ def ends_of_problem(problem: SampleProblem, high: float, *, alone: bool = False)
         found = ends_by_linear_programs(problem, alone=alone)
     else:
         found = intervals_below(lambda most: highest_intervals(problem, most), np.full(problem.samples, np.inf), high)
-    return with_caps(found, problem.is_cap, problem.cap_share, problem.square)
+    return with_caps(found, problem)
 
 
 def ends_by_linear_programs(problem: SampleProblem, *, alone: bool = False) -> RangeEnds:
@@ -366,7 +363,7 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     )
     named = [problem.active_row(row, upper=bool(side)) for row, side in tight]
     if end == "upper":
-        caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
+        caps = np.flatnonzero(problem.is_cap)[np.abs(problem.cap_share[0]) * c2 >= 1 - CAPS_TIE]
         named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
     return tuple(dict.fromkeys(named))  # the sides of a norm have one name
 
@@ -386,7 +383,7 @@ def motion_ranges(rows: MotionRows, load: Array | None = None, high: float = np.
     at_rest = ends["effect"] <= REST_TOLERANCE * effect
     ends["upper"][at_rest], ends["duals"][at_rest, 1] = rows.most[at_rest], 0
     suspects = ((ends["status"] != OPTIMAL) | (at_rest & (ends["lower"] > 0))).nonzero()[0]
-    ends, conflicts = with_caps(ends, rows.is_cap, rows.cap_share, rows.rows.square), []
+    ends, conflicts = with_caps(ends, rows), []
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)

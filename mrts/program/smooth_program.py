@@ -339,7 +339,7 @@ def path_program(
         parts.append(rows)
         names += of_load
     rests = ends[0] is None, ends[1] is None
-    parts.append(_path_rows(path.object.time, problems[0].cap_share, free * len(problems), rests))
+    parts.append(_path_rows(path.object.time, np.abs(problems[0].cap_share), free * len(problems), rests))
     joined = {name: np.concatenate([*map(itemgetter(name), parts)], axis=1) for name in parts[0]}
     joined["change"], joined["weight"] = joined["change"][0], joined["weight"][0]
     for place, held in zip((0, -1), end_free, strict=True):

@@ -11,7 +11,6 @@ from shipped_cells import sizes_of
 
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import one_text
-from mrts.limits.rows import LimitRows, RowName
 from mrts.program.path_solver import PROGRAM, _library
 
 C = ROOT / "mrts" / "kernel" / "c"
@@ -84,10 +83,3 @@ def test_arguments_have_the_types_that_c_declares(planar_cell):
 def test_a_library_that_lacks_a_function_is_refused():
     with pytest.raises(AttributeError):
         bind(ctypes.CDLL(None), ("batch.c",))
-
-
-def test_reversed_limits_are_refused():
-    names, ends = (RowName("first"), RowName("second")), np.array([[0.0, 1.0], [1.0, 0.0]])
-    rows = LimitRows(names=names, lower=ends[0], upper=ends[1], torque_matrix=np.eye(2), wrench_matrix=np.eye(2))
-    with pytest.raises(ValueError, match=r"rows \[1\]"):
-        rows.compressed  # noqa: B018 (a property)

@@ -75,7 +75,8 @@ def answers(request, tmp_path_factory):
     square, offset = rng.normal(size=(2, SAMPLES, len(units))) * units * 1e-3
     of_motors = {name: rng.normal(size=joints) for name in ("square", "rate", "dry")} | {"speed": None}
     motors = MotorTerms(turning=1e-3 * rng.random(joints) * cell.stacked("torque_upper"), **of_motors)
-    more = replace(plain, rows=replace(plain.rows, square=square, offset=offset), motors=motors)
+    more = replace(plain, motors=motors)
+    vars(more)["kept"] = replace(plain.given, square=square, offset=offset)
     W = rng.uniform(0.5, 2.0, size=motion.q.shape[1])
     all_c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
     problem = build_sample_problem(plain, varying=True)

@@ -21,6 +21,9 @@ static const int mrts_first_joints[MRTS_ROBOTS + 1] = MRTS_FIRST_JOINTS;
 #define MRTS_GRAVITY 3
 #define MRTS_ARM(geometry, robot) ((const mrts_arm *)((geometry) + MRTS_GRAVITY) + (robot))
 
+/* Places of inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, and what a function takes besides. */
+enum { MRTS_DQ = 1, MRTS_DDQ, MRTS_ROTATION, MRTS_TWIST, MRTS_ACCELERATION };
+
 /* A generated function: inputs and outputs. Matrices by columns. */
 #define MRTS_GENERATED(name) void name(const double *const *arg, double *const *res)
 

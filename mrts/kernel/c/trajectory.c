@@ -18,19 +18,63 @@ static inline short mrts_row_of_limits(const mrts_limits *limits, const mrts_row
     return (short)(code < 0 ? -place - 1 : place + 1);
 }
 
-/* The wrench form at all samples, as mrts_map gives it, `size` numbers of each output. */
-MRTS_EXPORT void mrts_forms(long long count, const double *const *in, const long long *stride, double *const *out,
-                            const long long *size) {
+/* The wrench form at all samples, as mrts_map gives it, with the column of r'' where the speed varies. */
+MRTS_EXPORT void mrts_forms(long long count, int varying, const double *const *in, const long long *stride, double *const *out) {
     enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
-    mrts_lanes torque[(K + 1) * M], wrench[(K + 1) * N], *const res[] = {torque, torque + K * M, wrench, wrench + K * N};
-    mrts_lanes sines[2 * M];
+    const int k = K + varying, sizes[] = {k * M, M, k * N, N};
+    mrts_lanes torque[(K + 2) * M], wrench[(K + 2) * N], *const res[] = {torque, torque + k * M, wrench, wrench + k * N};
+    mrts_lanes torque_moving[(K + 1) * M], wrench_moving[(K + 1) * N], none[MRTS_JOINTS + 6], sines[2 * M];
+    mrts_lanes *const moving[] = {torque_moving, torque_moving + K * M, wrench_moving, wrench_moving + K * N};
     mrts_lane_inputs inputs;
+    for (int i = 0; i < M + 6; ++i) none[i] = mrts_each(0);
     for (long long n = 0; n < count; n += MRTS_LANES) {
         mrts_take_inputs(in, stride, n, count, n == 0, &inputs);
         mrts_sines(M, inputs.arg[0], sines);
+        if (varying) {
+            MRTS_WRENCH_FORM_LANES(inputs.arg, sines, moving);
+            inputs.arg[MRTS_DDQ] = inputs.arg[MRTS_DQ];
+            inputs.arg[MRTS_ACCELERATION] = inputs.arg[MRTS_TWIST];
+            inputs.arg[MRTS_DQ] = inputs.arg[MRTS_TWIST] = none;
+        }
         MRTS_WRENCH_FORM_LANES(inputs.arg, sines, res);
+        for (int i = 0; varying && i < M; ++i) torque[K * M + i] = torque_moving[(K - 1) * M + i];
+        for (int i = 0; varying && i < N; ++i) wrench[K * N + i] = wrench_moving[(K - 1) * N + i];
         for (int lane = 0; lane < MRTS_LANES && n + lane < count; ++lane) {
-            for (int i = 0; i < 4; ++i) mrts_take_lane((int)size[i], res[i], lane, out[i] + (n + lane) * size[i]);
+            for (int i = 0; i < 4; ++i) mrts_take_lane(sizes[i], res[i], lane, out[i] + (n + lane) * sizes[i]);
+        }
+    }
+}
+
+/* The terms of sample n. */
+static mrts_terms mrts_terms_at(const mrts_terms *all, long long n, int rows) {
+    const mrts_real *const given[] = {all->torque_square, all->torque_offset, all->square, all->offset,
+                                      all->margin,        all->torque_speed,  all->speed};
+    const mrts_real *at[7];
+    for (int i = 0; i < 7; ++i) at[i] = given[i] ? given[i] + n * (i < 2 || i == 5 ? MRTS_JOINTS : rows) : 0;
+    return (mrts_terms){at[0], at[1], at[2], at[3], at[4], at[5], at[6]};
+}
+
+/* The rows over the k unknowns of `form`, those of all samples in the order of mrts_form, which take the motors in. All rows
+ * stand there, with infinite limits where they have none, and their terms in the speed. What r'' adds, its torque_square and
+ * square, goes to the last unknown but one. `unit` and `which` are those of rows.h, `work` one form in object axes and k. */
+MRTS_EXPORT void mrts_form_rows(long long count, int k, double *const *form, const double *rotation, const mrts_limits *limits,
+                                const mrts_terms *terms, const mrts_terms *rate, double *unit, int *which, double *A,
+                                double *lower, double *upper, double *speed, double *work) {
+    enum { M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    const int r = limits->rows;
+    for (long long n = 0; n < count; ++n) {
+        mrts_rows rows = {r, which, unit, A + n * r * k, lower + n * r, upper + n * r, work};
+        mrts_form its = {form[0] + n * k * M, form[1] + n * M, form[2] + n * k * N, form[3] + n * N, 0, 0};
+        const mrts_terms own = mrts_terms_at(terms, n, r), by_rate = mrts_terms_at(rate, n, r);
+        mrts_add_motors(k, M, &own, &its);
+        mrts_add_motors(k - 1, M, &by_rate, &its);
+        mrts_turn_wrenches(k, MRTS_ROBOTS, MRTS_SIZE, limits, rotation + 9 * n, 3, 1, work + k, &its);
+        mrts_build_rows(k, M, N, &its, limits, &own, &rows);
+        if (speed) mrts_speed_column(M, limits, &own, &rows, speed + n * r);
+        for (int i = 0; i < r; ++i) {
+            if (by_rate.square) rows.A[i * k + k - 2] += by_rate.square[i] / unit[i];
+            if (rows.lower[i] <= -MRTS_INFINITY) rows.lower[i] = -INFINITY;
+            if (rows.upper[i] >= MRTS_INFINITY) rows.upper[i] = INFINITY;
         }
     }
 }
@@ -180,8 +224,7 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
         if (lane == 0) mrts_take_samples(in, stride, n, count, n == 0, &samples);
         found->status[0] = found->status[1] = MRTS_STOPPED;
         if (!samples.finite[lane]) continue;
-        const mrts_terms here = {.torque_speed = terms->torque_speed ? terms->torque_speed + n * MRTS_JOINTS : 0,
-                                 .speed = terms->speed ? terms->speed + n * limits->rows : 0};
+        const mrts_terms here = mrts_terms_at(terms, n, limits->rows);
         mrts_rows_of_lane(K, &samples, lane, &rows);
         mrts_speed_column(MRTS_JOINTS, limits, &here, &rows, speed);
         mrts_scale_columns(K, &rows, column);

@@ -10,9 +10,6 @@
 #include "../rows.h"
 #include "lane_types.h"
 
-/* Places of inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, and what a function takes besides. */
-enum { MRTS_DQ = 1, MRTS_DDQ, MRTS_ROTATION, MRTS_TWIST, MRTS_ACCELERATION };
-
 /* Generated functions for lanes: every input is there, with sine and cosine of each of the first input's numbers, and every
  * output. */
 #define MRTS_LANE_FUNCTION(name) void name(const mrts_lanes *const *arg, const mrts_lanes *sines, mrts_lanes *const *res)
