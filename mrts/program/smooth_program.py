@@ -3,13 +3,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import compress
 from operator import itemgetter
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, with_part
 from mrts.cell.cell import Cell
@@ -167,28 +166,28 @@ class SmoothProgram:
 
     def of_free(self) -> Self:
         """The same program with the rows alone that F moves: x and u keep the others and limits of jerk, or not."""
-        no_jerk = {"q1": self.q1[:, :0], "q2": self.q2[:, :0], "q3": self.q3[..., :0], "jerk": self.jerk[:0]}
         moved = np.any(self.free, axis=(0, 2))
-        return self.only(moved, **no_jerk, jerk_names=(), gram=self.gram[:, :0], bound=self.bound[:, :0])
-
-    def only(self, chosen: NDArray[np.bool_], **changes: Any) -> Self:
-        """The same program with some of the rows, and other changes."""
-        rows, names = np.flatnonzero(chosen), (*compress(self.names, chosen), *self.names[len(chosen) :])
-        return with_part(self, OF_ROWS, (..., rows), free=self.free[:, rows], names=names, **changes)
+        return with_part(
+            self,
+            OF_ROWS,
+            (..., moved),
+            free=self.free[:, moved],
+            names=tuple(compress(self.names, moved)),
+            gram=self.gram[:, :0],
+            bound=self.bound[:, :0],
+            **{name: getattr(self, name)[..., :0] for name in ("q1", "q2", "q3", "jerk")},
+            jerk_names=(),
+        )
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r)."""
         moved = self.square * x[:, None] + self.rate * u[:, None] + self.root * np.sqrt(x)[:, None] + self.offset
-        values: Array = moved + np.einsum("nrf,nf->nr", self.free, free)
+        values: Array = moved + (self.free @ free[:, :, None])[:, :, 0]
         return values
-
-    def times(self, x: Array) -> Array:
-        """Δt of every segment, Shape (n - 1,) [s]; infinity where both ends stand still."""
-        return segment_times(self.step, x)
 
     def duration(self, x: Array) -> float:
         """Σ Δt [s]."""
-        return float(np.sum(self.times(x)))
+        return float(np.sum(segment_times(self.step, x)))
 
     def jerks(self, x: Array, u: Array) -> Array:
         """q⃛ at the start and at the end of every segment, Shape (n - 1, 2, J)."""
@@ -215,7 +214,7 @@ class SmoothProgram:
         square = np.einsum("ni,ncij,nj->nc", z, self.gram, z)
         cones = np.sqrt(np.maximum(square, 0.0)) - np.sum(self.bound * z[:, None], axis=2)
         rows = np.concatenate([np.maximum(values - self.upper, self.lower - values), cones], axis=1)
-        changes = np.abs(np.diff(values, axis=0)) / (self.change * self.times(x)[:, None]) - 1
+        changes = np.abs(np.diff(values, axis=0)) / (self.change * segment_times(self.step, x)[:, None]) - 1
         return rows, changes, np.max(np.abs(self.jerks(x, u)), axis=1) / self.jerk - 1
 
     def binding(self, profile: "SmoothProfile", near: float) -> list[set[RowName]]:
@@ -489,30 +488,27 @@ def of_shares(program: SmoothProgram) -> SmoothProgram:
     one count more than a wide one. Each row stands three times: with the limits that do not count and its rate, and
     with each side that counts, of which it may use s. The last row is s itself.
     """
-    n, r, _ = program.free.shape
+    r = program.free.shape[1]
     low, high = whole_sides(program.free, program.sizes)
-    least, most, any_rate = np.full((n, r), -np.inf), np.full((n, r), np.inf), np.full(r, np.inf)
-    parts = (
-        (np.where(low > 0, least, program.lower), np.where(high > 0, most, program.upper), 0 * low, program.change),
-        (np.where(low > 0, program.lower + low, least), most, low, any_rate),
-        (least, np.where(high > 0, program.upper - high, most), -high, any_rate),
-        (np.full((n, 1), LEAST_SHARE), np.ones((n, 1)), np.ones((n, 1)), any_rate[:1]),
-    )
-    lower, upper, share, change = map(partial(np.concatenate, axis=-1), zip(*parts, strict=True))
-    given: dict[str, Any] = {name: np.pad(np.tile(getattr(program, name), 3), ((0, 0), (0, 1))) for name in OF_SPEED}
-    free = np.pad(np.tile(program.free, (1, 3, 1)), ((0, 0), (0, 1), (0, 1)))
-    free[:, :, -1] = share
+    least, most = np.full_like(low, -np.inf), np.full_like(high, np.inf)
+    lower = np.hstack([np.where(low > 0, least, program.lower), np.where(low > 0, program.lower + low, least), least])
+    upper = np.hstack([np.where(high > 0, most, program.upper), most, np.where(high > 0, program.upper - high, most)])
+    change = np.hstack([program.change, most[0], most[0]])
+    kept = np.flatnonzero(np.isfinite(change) | np.any(np.isfinite(lower) | np.isfinite(upper), axis=0))
+    own, last = kept % r, ((0, 0), (0, 1))
+    free = np.pad(program.free[:, own], (*last, (0, 1)))
+    free[:, :-1, -1], free[:, -1, -1] = np.hstack([0 * low, low, -high])[:, kept], 1.0
     start, end = (None if held is None else np.append(held, 1.0) for held in program.end_free)
-    whole = replace(
+    given: dict[str, Any] = {name: np.pad(getattr(program, name)[:, own], last) for name in OF_SPEED}
+    return replace(
         program,
         **given,
         free=free,
-        lower=lower,
-        upper=upper,
-        change=change,
-        weight=np.append(np.zeros(3 * r), 1.0),
-        sizes=np.zeros((2, len(change))),
-        names=(*program.names[:r] * 3, SHARE, *program.names[r:]),
+        lower=np.pad(lower[:, kept], last, constant_values=LEAST_SHARE),
+        upper=np.pad(upper[:, kept], last, constant_values=1.0),
+        change=np.append(change[kept], np.inf),
+        weight=np.append(np.zeros(len(kept)), 1.0),
+        sizes=np.zeros((2, len(kept) + 1)),
+        names=(*[program.names[row] for row in own.tolist()], SHARE, *program.names[r:]),
         end_free=(start, end),
     )
-    return whole.only(np.isfinite(change) | np.any(np.isfinite(lower) | np.isfinite(upper), axis=0))

@@ -50,11 +50,6 @@ class ConvexPrograms:
         """Some of the programs."""
         return with_part(self, vars(self), samples)
 
-    @property
-    def rows(self) -> int:
-        """Number of rows r."""
-        return int(self.A.shape[1])
-
     def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
         """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.
 
@@ -63,7 +58,7 @@ class ConvexPrograms:
         Returns:
             The programs, the factors x = column * x_scaled, Shape (N, k), and those of their limits, Shape (N, r + k).
         """
-        column, row = scales(self.A, (self.lower == self.upper)[:, : self.rows])
+        column, row = scales(self.A, (self.lower == self.upper)[:, : self.A.shape[1]])
         of_limits = np.hstack([row, 1 / column])
         g = self.g * column
         H = None if self.H is None else self.H * column[:, :, None] * column[:, None, :]
@@ -99,14 +94,13 @@ def optimality_error(programs: ConvexPrograms, x: Array, dual: Array) -> Array:
     A limit is measured against 1 (its own size) and the terms of its row, the gradient against its largest term: the
     scaled unknowns have the size of the limits, so this bounds the loss of the objective.
     """
-    value = np.concatenate([apply(programs.A, x), x], axis=1)
-    size = np.concatenate([1 + apply(np.abs(programs.A), np.abs(x)), 1 + np.abs(x)], axis=1)
-    lower, upper = programs.lower, programs.upper
-    row_dual, bound_dual = dual[:, : programs.rows], dual[:, programs.rows :]
+    lower, upper, bounds = programs.lower, programs.upper, np.broadcast_to(np.eye(x.shape[1]), (*x.shape, x.shape[1]))
+    rows = np.concatenate([programs.A, bounds], axis=1)
+    value, size = apply(rows, x), 1 + apply(np.abs(rows), np.abs(x))
     infeasible = np.max(np.maximum(lower - value, value - upper) / size, axis=1, initial=0.0)
 
-    gradient = programs.g + np.einsum("nrk,nr->nk", programs.A, row_dual) + bound_dual
-    terms = np.abs(programs.g) + np.einsum("nrk,nr->nk", np.abs(programs.A), np.abs(row_dual)) + np.abs(bound_dual)
+    by_row = rows.transpose(0, 2, 1)
+    gradient, terms = programs.g + apply(by_row, dual), np.abs(programs.g) + apply(np.abs(by_row), np.abs(dual))
     if programs.H is not None:
         gradient = gradient + apply(programs.H, x)
         terms = terms + apply(np.abs(programs.H), np.abs(x))

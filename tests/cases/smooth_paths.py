@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mrts.program.smooth_program import SmoothProfile, SmoothProgram
+from mrts.program.smooth_program import SmoothProfile, SmoothProgram, segment_times
 
 
 def waves(rng, s, shape, size=1.0):
@@ -60,7 +60,9 @@ def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, jo
     )  # fmt: skip
     program.lower[:, rng.random(r) < 0.15] = -np.inf
     if changes:
-        moved = np.max(np.abs(np.diff(program.values(x, u, force), axis=0)) / program.times(x)[:, None], axis=0)
+        moved = np.max(
+            np.abs(np.diff(program.values(x, u, force), axis=0)) / segment_times(program.step, x)[:, None], axis=0
+        )
         change = (moved + 0.2) / loose
         change[rng.random(r) < 0.2] = np.inf
         program = replace(program, change=change)

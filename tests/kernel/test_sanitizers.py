@@ -72,7 +72,7 @@ for kind in kinds:
     for nodes in (2, 3, 9):
         program, base = smooth_path(rng, nodes, **kind)
         ended = replace(program, ends=(base.x[0], base.x[-1]), end_free=(base.free[0], base.free[-1]))
-        longest = float(program.times(base.x).sum())
+        longest = program.duration(base.x)
         for one in (program, ended):
             for goal in (Goal(), Goal(effort=1.0, longest=longest)):
                 for moving in (True, False):

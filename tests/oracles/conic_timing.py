@@ -7,7 +7,7 @@ import cvxpy as cp
 import numpy as np
 from scipy import sparse
 
-from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
+from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram, segment_times
 
 STOPS = {"tol_gap_abs": 1e-9, "tol_gap_rel": 1e-9, "tol_feas": 1e-9}
 
@@ -76,7 +76,7 @@ class ConicSolver:
     @staticmethod
     def torques(program, x, u):
         n, _, f = program.free.shape
-        times = program.times(x)[:, None]
+        times = segment_times(program.step, x)[:, None]
         free, limited = cp.Variable((n, f)), np.isfinite(program.change)
         values = program.values(x, u, np.zeros((n, f))) + from_free(program, free)
         rows = within(values, program.lower, program.upper) + given_free(program, free)

@@ -44,7 +44,7 @@ def programs(kind, count, seed):
             program = replace(program, ends=(base.x[0], base.x[-1] if index % 8 == 1 else None))
         if index % 4 > 1 and program.free.shape[2]:
             program = replace(program, end_free=(base.free[0], base.free[-1] if index % 8 > 3 else None))
-        duration = float(np.sum(program.times(base.x)))
+        duration = program.duration(base.x)
         effort = rng.choice([0.0, 0.1, 3.0])
         yield program, base, Goal(effort=effort)
         yield program, base, Goal(time=rng.choice([0.0, 0.1]), effort=1.0, longest=duration * rng.uniform(0.97, 1.05))
@@ -73,7 +73,7 @@ def test_a_step_is_clarabels(kind):
             assert given is None or np.array_equal(given, found)
         assert ours.x[1:] == pytest.approx(ours.x[:-1] + program.step * (ours.u[1:] + ours.u[:-1]), rel=1e-12)
         if goal.longest is not None:
-            assert np.sum(program.times(ours.x)) <= goal.longest * (1 + KEPT)
+            assert program.duration(ours.x) <= goal.longest * (1 + KEPT)
         best = replaced_cost(program, theirs, base.x, goal)
         worst = max(worst, abs(replaced_cost(program, ours, base.x, goal) / best - 1))
     assert worst <= AGREES
@@ -91,7 +91,7 @@ def test_what_cannot_be_kept_gets_no_answer(kind):
         for refused in hopeless:
             assert solver.step(refused, base.x, goal) is None
             assert solver.step(refused, base.x, goal, moving=True) is None
-        soon = replace(goal, longest=float(np.sum(program.times(base.x))) / 100)
+        soon = replace(goal, longest=program.duration(base.x) / 100)
         assert (solver.step(program, base.x, soon) is None) == (ConicSolver.step(program, base.x, soon) is None)
 
 
