@@ -19,13 +19,14 @@ from mrts.program.motion_rows import motor_terms
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem, moved_by
 
-OF_ROWS = ("square", "rate", "root", "offset", "lower", "upper", "change", "weight", "sizes")
+OF_ROWS = ("square", "rate", "root", "offset", "lower", "upper", "low", "high", "change", "weight", "sizes")
 """Attributes whose last axis are the rows."""
-
 
 PROGRAM = structure("smooth_timing.c", "mrts_smooth_program")
 AS_THEY_ARE = ("step", "square", "rate", "offset", "lower", "upper", "gram", "bound", "q1", "q2", "q3", "jerk")
 """Attributes that C takes as they are."""
+ENDS = ("given_start", "given_end", "held_start", "held_end")
+"""Whether x and F are given at the ends, as C has them."""
 
 
 def segment_times(step: Array, x: Array, rise: Array | None = None) -> Array:
@@ -64,12 +65,13 @@ class SmoothProgram:
     Between nodes u is linear in σ, so x_{k+1} = x_k + h_k (u_k + u_{k+1}) exactly. At node k row j has the value
     v = square x + rate u + root √x + free F + offset, and
 
-        lower <= v_k <= upper                                           at every node
+        lower <= v_k + low s, v_k - high s <= upper                     at every node
         √(zᵀ gram z) <= bound z with z = (u, x, 1)                      at every node, of each cone
         |v_{k+1} - v_k| <= change Δt_k                                  on every segment
         |q' (u_{k+1} - u_k) / h_k + 3 q'' u + q''' x| <= jerk / √x      at both ends of every segment
 
-    with Δt_k = 2 h_k / (√x_k + √x_{k+1}). Rows are in units in which their limits have the size 1.
+    with Δt_k = 2 h_k / (√x_k + √x_{k+1}). Rows are in units in which their limits have the size 1. The last of F is a
+    share s in programs of `of_shares` alone.
 
     Attributes:
         step: h, Shape (n - 1,).
@@ -93,6 +95,8 @@ class SmoothProgram:
         bound: Of them, Shape (n, c, 3); the last of each is infinite at nodes without it.
         names: Names of the rows, and then of the cones.
         jerk_names: Names of the jerks that are limited.
+        low: By how much s = 1 moves the lower side of a row, Shape (n, r); None where there is no s.
+        high: As low, of the upper side.
         ends: x at the first and the last node where it is given, else None.
         end_free: F at the first and the last node, Shape (f,), where it is given, else None.
     """
@@ -116,6 +120,8 @@ class SmoothProgram:
     bound: Array
     names: tuple[RowName, ...] = ()
     jerk_names: tuple[RowName, ...] = ()
+    low: Array | None = None
+    high: Array | None = None
     ends: tuple[float | None, float | None] = (None, None)
     end_free: tuple[Array | None, Array | None] = (None, None)
 
@@ -143,13 +149,12 @@ class SmoothProgram:
             place=np.arange(r) * f + first,
             limited=limited,
             entry=self.free,
+            low=self.low,
+            high=self.high,
             root=self.root if np.any(self.root) else None,
             weight=self.weight if np.any(self.weight) else None,
             change=self.change[limited],
-            given_start=self.ends[0] is not None,
-            given_end=self.ends[1] is not None,
-            held_start=self.end_free[0] is not None,
-            held_end=self.end_free[1] is not None,
+            **{name: of is not None for name, of in zip(ENDS, (*self.ends, *self.end_free), strict=True)},
         )
 
     def narrowed(self, share: float) -> Self:
@@ -213,7 +218,11 @@ class SmoothProgram:
         values, z = self.values(x, u, profile.free), np.column_stack([u, x, np.ones(len(x))])
         square = np.einsum("ni,ncij,nj->nc", z, self.gram, z)
         cones = np.sqrt(np.maximum(square, 0.0)) - np.sum(self.bound * z[:, None], axis=2)
-        rows = np.concatenate([np.maximum(values - self.upper, self.lower - values), cones], axis=1)
+        above, below = values - self.upper, self.lower - values
+        if self.low is not None and self.high is not None:
+            share = profile.free[:, -1:]
+            above, below = above - self.high * share, below - self.low * share
+        rows = np.concatenate([np.maximum(above, below), cones], axis=1)
         changes = np.abs(np.diff(values, axis=0)) / (self.change * segment_times(self.step, x)[:, None]) - 1
         return rows, changes, np.max(np.abs(self.jerks(x, u)), axis=1) / self.jerk - 1
 
@@ -485,30 +494,25 @@ def of_shares(program: SmoothProgram) -> SmoothProgram:
     """The program with the largest share s of any limit at each node as the last free unknown, and ∫ s² dt as effort.
 
     Each node has an s of its own, so that a place that needs all of a limit loosens no other; the square lets a tall
-    one count more than a wide one. Each row stands three times: with the limits that do not count and its rate, and
-    with each side that counts, of which it may use s. The last row is s itself.
+    one count more than a wide one. Sides that count may use s of themselves. The last row is s itself.
     """
-    r = program.free.shape[1]
     low, high = whole_sides(program.free, program.sizes)
-    least, most = np.full_like(low, -np.inf), np.full_like(high, np.inf)
-    lower = np.hstack([np.where(low > 0, least, program.lower), np.where(low > 0, program.lower + low, least), least])
-    upper = np.hstack([np.where(high > 0, most, program.upper), most, np.where(high > 0, program.upper - high, most)])
-    change = np.hstack([program.change, most[0], most[0]])
-    kept = np.flatnonzero(np.isfinite(change) | np.any(np.isfinite(lower) | np.isfinite(upper), axis=0))
-    own, last = kept % r, ((0, 0), (0, 1))
-    free = np.pad(program.free[:, own], (*last, (0, 1)))
-    free[:, :-1, -1], free[:, -1, -1] = np.hstack([0 * low, low, -high])[:, kept], 1.0
+    last, r = ((0, 0), (0, 1)), len(program.weight)
     start, end = (None if held is None else np.append(held, 1.0) for held in program.end_free)
-    given: dict[str, Any] = {name: np.pad(getattr(program, name)[:, own], last) for name in OF_SPEED}
+    nothing: dict[str, Any] = {name: np.pad(getattr(program, name), last) for name in OF_SPEED}
+    free = np.pad(program.free, (*last, (0, 1)))
+    free[:, -1, -1] = 1.0
     return replace(
         program,
-        **given,
+        **nothing,
         free=free,
-        lower=np.pad(lower[:, kept], last, constant_values=LEAST_SHARE),
-        upper=np.pad(upper[:, kept], last, constant_values=1.0),
-        change=np.append(change[kept], np.inf),
-        weight=np.append(np.zeros(len(kept)), 1.0),
-        sizes=np.zeros((2, len(kept) + 1)),
-        names=(*[program.names[row] for row in own.tolist()], SHARE, *program.names[r:]),
+        lower=np.pad(program.lower + low, last, constant_values=LEAST_SHARE),
+        upper=np.pad(program.upper - high, last, constant_values=1.0),
+        low=np.pad(low, last),
+        high=np.pad(high, last),
+        change=np.append(program.change, np.inf),
+        weight=np.append(np.zeros(r), 1.0),
+        sizes=np.zeros((2, r + 1)),
+        names=(*program.names[:r], SHARE, *program.names[r:]),
         end_free=(start, end),
     )

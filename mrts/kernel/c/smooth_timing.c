@@ -13,7 +13,8 @@
  * with Dt_k = 2 step / (sqrt(x_k) + sqrt(x_(k+1))). What is not convex is replaced by what is stricter and touches it
  * at the profile `around`: Dt and 1 / sqrt(x) by their tangents, root sqrt(x) by its own where it presses towards a limit.
  * The least of time * duration + effort * sum of spacing weight v^2 / sqrt(x) + uneven * sum of (u_(k+1) - u_k)^2 / step
- * is looked for.
+ * is looked for. The last of F may be a share s by which sides of rows move outward: v + low s and v - high s then stand
+ * for v in the first line.
  *
  * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, which is 0 where there
  * is no limit.
@@ -55,6 +56,8 @@ typedef struct {
     const double *entry; /* coefficients of F, (n, width) */
     const double *lower;
     const double *upper;
+    const double *low;    /* (n, r), as high; null where the last of F is no share */
+    const double *high;
     const double *gram;   /* (n, cones, 3, 3), symmetric */
     const double *bound;  /* (n, cones, 3), of which the last is infinite where there is no limit */
     const double *change; /* (changes) */
@@ -87,6 +90,8 @@ typedef struct {
     double *row_weight, *row_cross; /* of a node's second derivatives along (value, value) and (x, value), (n, r) */
     double *change_weight, *change_before, *change_after; /* likewise between two nodes, (n - 1, changes) */
     double *node_second;      /* along (x, x), (x, u), (u, u), (n, 3) */
+    double *row_share;        /* of a node along (value, s), (n, r) */
+    double *share_second;     /* along (x, s), (u, s), (s, s), (n, 3) */
     double *segment_second;   /* along (x, x'), (x, u'), (u, x'), (u, u'), (n - 1, 4) */
     double *pressing, *holding; /* of a node: multipliers above and below, (r) */
     double unit;              /* of the objective */
@@ -235,6 +240,15 @@ static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_
     }
 }
 
+/* Takes what a share, or its change, leaves to the rows of node k out of their slots. */
+static void mrts_smooth_shared(const mrts_smooth_program *p, int k, const double *free, double *slots) {
+    const double s = free[(long long)(k + 1) * p->free - 1];
+    for (int j = 0; j < p->rows; ++j) {
+        slots[j] -= p->high[(long long)k * p->rows + j] * s;
+        slots[p->rows + j] -= p->low[(long long)k * p->rows + j] * s;
+    }
+}
+
 /* g of every slot, and what of the rows goes into it. */
 static void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p), segment = mrts_smooth_node_slots(p);
@@ -248,6 +262,7 @@ static void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *
             here[j] = state->above[at + j] - p->upper[at + j];
             here[r + j] = p->lower[at + j] - state->below[at + j];
         }
+        if (p->low) mrts_smooth_shared(p, k, state->free, here);
     }
     for (int k = 0; k < n - 1; ++k) {
         mrts_smooth_segment(p, state, k, 1, state->x, state->u, state->above, state->below,
@@ -272,6 +287,7 @@ static void mrts_smooth_moved(const mrts_smooth_program *p, mrts_smooth_state *s
             below[at + j] = sum + state->below_x[at + j] * dx[k];
             here[r + j] = -below[at + j];
         }
+        if (p->low) mrts_smooth_shared(p, k, df, here);
         for (int i = 0; i < p->cones; ++i) {
             const long long cone = (long long)k * p->cones + i;
             here[2 * r + i] = (state->cone_u[cone] - p->bound[3 * cone]) * du[k] +
@@ -321,6 +337,10 @@ static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *
             double *f = F + p->first[j];
             MRTS_UNROLL
             for (int l = 0; l < p->count[j]; ++l) f[l] += both * e[l];
+        }
+        for (int j = 0; j < r && p->low; ++j) {
+            const double *here = y + (long long)k * slots;
+            F[p->free - 1] -= here[j] * p->high[at + j] + here[r + j] * p->low[at + j];
         }
         for (int i = 0; i < p->cones; ++i) {
             const long long cone = (long long)k * p->cones + i;
@@ -431,6 +451,15 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
         along[j] = up + down;
         cross[j] = up * up_x + down * down_x;
         second += up * up_x * up_x + down * down_x * down_x;
+    }
+    double *shared = state->share_second + 3 * k;
+    shared[0] = shared[1] = shared[2] = 0;
+    for (int j = 0; j < r && p->low; ++j) {
+        const double up = -above[j] * p->high[at + j], down = below[j] * p->low[at + j];
+        state->row_share[at + j] = up + down;
+        shared[0] += up * state->above_x[at + j] + down * state->below_x[at + j];
+        shared[1] += (up + down) * p->rate[at + j];
+        shared[2] += down * p->low[at + j] - up * p->high[at + j];
     }
     const double x = state->x[k], root = sqrt(x);
     if (p->effort > 0 && p->weight) {
@@ -607,6 +636,17 @@ static void mrts_front_add_node(const mrts_smooth_program *p, const mrts_smooth_
             of_c[first + i] += by_c * e[i];
             of_next[first + i] += by_next * e[i];
         }
+    }
+    if (p->low) {
+        const double *share = state->row_share + at, *second = state->share_second + 3 * k;
+        double *of_s = A + (f - 1) * m;
+        for (int j = 0; j < r; ++j) {
+            const double *e = entry + p->place[j];
+            for (int i = 0; i < p->count[j]; ++i) of_s[p->first[j] + i] += share[j] * e[i];
+        }
+        of_s[f - 1] += second[2];
+        of_c[f - 1] += near * second[0] - slope * second[1];
+        of_next[f - 1] += far * second[0] + slope * second[1];
     }
     for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i] - diagonal[i];
     const double cc = near * near * xx - 2 * near * slope * xu + slope * slope * uu;
@@ -869,6 +909,7 @@ static long long mrts_smooth_state_in(const mrts_smooth_program *p, double *memo
         {&at->by_change, c}, {&at->value, nr}, {&at->above, nr}, {&at->below, nr}, {&at->above_x, nr}, {&at->below_x, nr},
         {&at->row_weight, nr}, {&at->row_cross, nr}, {&at->cone_u, cones}, {&at->cone_x, cones}, {&at->cone_root, cones},
         {&at->change_weight, n * c}, {&at->change_before, n * c}, {&at->change_after, n * c}, {&at->node_second, 3 * n},
+        {&at->row_share, nr}, {&at->share_second, 3 * n},
         {&at->segment_second, 4 * n}, {&at->pressing, r}, {&at->holding, r}, {&at->s, slots}, {&at->y, slots},
         {&at->by_s, slots}, {&at->weight, slots}, {&at->missed, slots}, {&at->ds, slots}, {&at->dy, slots},
         {&at->target, slots}, {&at->before, slots}, {&at->gx, n}, {&at->gu, n}, {&at->gf, f}, {&at->px, n}, {&at->pu, n},
