@@ -218,18 +218,9 @@ def motion_widening(
         status, units = np.full(len(places), STOPPED, dtype=np.uint8), rows.given.units[~rows.is_cap]
         outputs = share, status
         rows.over_samples("mrts_widenings", [c2], outputs, (units,), load=load, speed=speed, samples=samples)
-        share, left = np.maximum(share, _passed_caps(rows, c2, places)), (status != OPTIMAL).nonzero()[0]
+        share, left = np.maximum(share, rows.passed_caps(c2, places)), (status != OPTIMAL).nonzero()[0]
     if left.size:
         carried = load if load is None or load.ndim == 1 else load[left]
         problem = build_sample_problem(rows, load=carried, samples=places[left])
         share[left] = widening_at(problem, c2[left, None])
     return share
-
-
-def _passed_caps(rows: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:
-    """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,)."""
-    if not (np.abs(rows.cap_share[samples]) * c2[:, None] > 1).any():
-        return np.zeros(len(samples))
-    lower, upper, size = rows.rows.lower[rows.is_cap], rows.rows.upper[rows.is_cap], rows.given.units[rows.is_cap]
-    value = np.asarray(rows.rows.square)[samples[:, None], rows.is_cap.nonzero()[0]] * c2[:, None]
-    return np.asarray((np.maximum(value - upper, lower - value) / size).max(axis=1, initial=0.0))

@@ -160,6 +160,13 @@ class MotionRows:
         share = side_share(term[:, own], least, most)
         return np.where(by_speed[own], share * np.where(least == -most, share, np.abs(share)), share)
 
+    def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
+        """By how much k samples pass the caps at ṙ² = c², Shape (k,), in shares of each, at most: 0 or more."""
+        (places, by_speed, _), caps, share = self._of_speed, self.is_cap, self.cap_share[samples]
+        side = np.where(share > 0, self.given.upper[caps], -self.given.lower[caps]) / self.given.units[caps]
+        size = np.where(by_speed[caps[places]], side**2, side)
+        return np.asarray(((np.abs(share) * c2[:, None] - 1) * size).max(axis=1, initial=0.0))
+
     @cached_property
     def rows(self) -> LimitRows:
         """The rows, those with no term but b ṙ in ṙ²: b |b| ṙ² between l |l| and u |u|, in units of their limits.
