@@ -152,7 +152,7 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
     """See `mrts.Cell.with_values`."""
     check_type("values", values, Mapping)
     keys = cell_keys(cell)
-    places = _places(cell, keys, values)
+    places = _places(keys, values)
     for path, place in places.items():
         value = values[path]
         set_value(keys, place, value if isinstance(value, RigidTransform) else plain(path, value))
@@ -186,13 +186,13 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
     return replace(cell, robots=tuple(robots), **changes)
 
 
-def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str, Keys]:
+def _places(keys: dict[str, Any], paths: Iterable[str]) -> dict[str, Keys]:
     """Where paths lead, none into what another changes."""
-    joints, places = [len(robot.joints) for robot in cell.robots], dict[str, Keys]()
+    places: dict[str, Keys] = {}
     for path in paths:
         check_type("values: path", path, str)
         try:
-            place = find_keys({"cell": keys}, joints, path)[1:]
+            place = find_keys({"cell": keys}, path)[1:]
         except InputError as error:
             raise error.inside("values", path) from None
         for other, taken in places.items():
@@ -333,13 +333,12 @@ def named_files(keys: Mapping[str, Any]) -> dict[Keys, FileReference]:
     }
 
 
-def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
+def find_keys(files: Mapping[str, Any], path: str) -> Keys:
     """Where a path leads.
 
     Args:
         files: Keys and values of the "cell" and, if there is one, the "motion" file, what they leave out filled in.
             Where one number stands for all joints and the path names a joint, it becomes a list here.
-        joints: Number of joints of each robot.
         path: As a user writes it; `robots.left` and `robots[0]` are the same, and so are `duration` and
             `motion.duration`.
 
@@ -357,7 +356,7 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
     here = value_at(files, keys)
     while rest:
         if rest.startswith("[") and is_number(here) and "motors" in keys and keys[-1] in ONE_FOR_ALL:
-            here = [here] * joints[int(keys[2])]
+            here = [here] * len(value_at(files, keys[:3])["posture"])
             set_value(files, keys, here)
         key, rest = _step(here, keys, rest, files)
         keys, here = (*keys, key), here[key]
@@ -388,7 +387,7 @@ def numbers_below(files: Mapping[str, Any], keys: Keys) -> Iterator[Keys]:
     return (place for place, value in leaves(value_at(files, keys), keys) if is_number(value))
 
 
-def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]) -> str:
+def number_unit(keys: Keys, cell: Cell) -> str:
     """Unit of the number at a place; empty if it has none, or its file does not say."""
     words = [key for key in keys if isinstance(key, str)]
     if "variation" in words:
@@ -397,7 +396,7 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
         return ""
     match keys:
         case "cell", "robots", int(at), *_:
-            if unit := _robot_unit(keys, robots[at], wrench_units):
+            if unit := _robot_unit(keys, cell.robots[at], cell.wrench_units):
                 return unit
     if "acceleration" in words:
         return f"{BY_KEY.get(words[-1], 'm/s')}²"

@@ -265,7 +265,7 @@ def _targets(move: str, listed: list[str] | dict[str, float], files: dict[str, A
 
 
 def _moved(move: str, path: str, factor: float, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
-    numbers = list(numbers_below(files, _keys(files, cell, path)))
+    numbers = list(numbers_below(files, _keys(files, path)))
     own = [float(value_at(files, number)) for number in numbers]
     if not own:
         rule = f"the cell and motion files give no number at {path}, so there is none to move. Write it there first"
@@ -276,16 +276,16 @@ def _moved(move: str, path: str, factor: float, files: dict[str, Any], cell: Cel
         yield _target(files, cell, number, *((value, 0.0) if move == "scales" else (factor, value)))
 
 
-def _keys(files: dict[str, Any], cell: Cell, path: str) -> Keys:
+def _keys(files: dict[str, Any], path: str) -> Keys:
     try:
-        return find_keys(files, [len(robot.joints) for robot in cell.robots], path)
+        return find_keys(files, path)
     except InputError as error:
         raise InputError("", error.rule, value=path) from None
 
 
 def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float = 1.0, offset: float = 0.0) -> Target:
     """One number; a place that holds none, but may, is one."""
-    keys = _keys(files, cell, place) if isinstance(place, str) else place
+    keys = _keys(files, place) if isinstance(place, str) else place
     text, value = path_text(files, keys), value_at(files, keys)
     if isinstance(value, dict | list):
         inside = next(numbers_below(files, keys), None)
@@ -295,7 +295,7 @@ def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float 
         raise InputError("", f"{text} is '{value}', which is no number; numbers vary.")
     if keys == ("motion", "samples"):
         raise InputError("", f"{text} says how finely the motion is looked at, and does not vary.")
-    return Target(text, keys, number_unit(keys, cell.robots, cell.wrench_units), factor, offset)
+    return Target(text, keys, number_unit(keys, cell), factor, offset)
 
 
 def sample_points(
