@@ -42,7 +42,7 @@ int main(int arguments, char **argument) {
     int *iwork = calloc(10000, sizeof(int));
     for (int i = 0; i < MRTS_JOINTS; ++i) weights[i * (MRTS_JOINTS + 1)] = 1;
     for (long long i = 0; i < n; ++i) most[i] = MRTS_INFINITY;
-    mrts_ranges(n, in, stride, &limits, &terms, most, found, work, iwork);
+    mrts_ranges(n, in, stride, &limits, &terms, most, 0, 0, found, work, iwork);
     mrts_torques(n, in, stride, &limits, &terms, &c2, 0, weights, 1e-9, torque, wrench, status, work, iwork);
     printf("%.6g\n", found->end[1]);
     return 0;

@@ -3,22 +3,14 @@
 
 import ctypes
 from collections.abc import Callable, Collection
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.binding import keep_freed_memory, pointer_to, structure
+from mrts.kernel.binding import keep_freed_memory, pointer_to
 from mrts.kernel.c_text import SELDOM
-
-
-@cache
-def range_record(unknowns: int) -> np.dtype[np.void]:
-    """The range of a sample, of so many unknowns, c² last: `mrts_range` of trajectory.c."""
-    made: np.dtype[np.void] = np.dtype(structure("trajectory.c", "mrts_range", MRTS_CURVED=unknowns + 1))
-    return made
 
 
 class CellLibrary:

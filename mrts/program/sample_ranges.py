@@ -21,7 +21,6 @@ from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.binding import INFINITY
-from mrts.kernel.cell_library import range_record
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, STOPPED, speed_intervals
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, conflicts_at, linear_conflicts, widening_at
@@ -180,7 +179,7 @@ effect: Largest effect of c² = 1 on a row in its unit, where the kernel found t
 def unknown_ends(samples: int, rows: int) -> RangeEnds:
     """Nothing of any sample."""
     numbers = [(name, np.float64) for name in ("lower", "upper", "below", "effect")]
-    fields = [*numbers, ("status", np.uint8), ("duals", np.float32, (2, rows + 1))]
+    fields = [*numbers, ("status", np.intc), ("duals", np.float32, (2, rows + 1))]  # as mrts_range of trajectory.c
     ends = np.zeros(samples, dtype=np.dtype(fields, align=True))
     ends["lower"], ends["upper"], ends["status"] = np.inf, -np.inf, STOPPED
     return ends
@@ -188,18 +187,10 @@ def unknown_ends(samples: int, rows: int) -> RangeEnds:
 
 def kernel_ends(rows: MotionRows, load: Array | None, most: Array) -> RangeEnds:
     """The ends at all samples in one call of the kernel, c² at most `most`, Shape (N,)."""
-    found = np.zeros(len(most), dtype=range_record(rows.cell.library.unknowns))
+    ends, kept = unknown_ends(len(most), len(rows.given.names)), (~rows.is_cap).nonzero()[0]
     name = "mrts_speed_ranges" if rows.has_speed_terms else "mrts_ranges"
-    rows.over_samples(name, [np.minimum(most, INFINITY)], [found], load=load)
-    count, kept = len(rows.given.names), (~rows.is_cap).nonzero()[0]
-    ends, basis, dual = unknown_ends(len(most), count), found["basis"], found["dual"]
-    (ends["lower"], ends["upper"]), ends["below"], ends["effect"] = found["end"].T, found["gap"], found["effect"]
-    ends["status"] = found["status"].max(axis=1)
-    # unknowns come after the rows that are no caps: of c² its lower side is standstill, its upper one a cap
-    row = np.append(kept, np.full(rows.cell.library.unknowns + 1, count))[np.abs(basis) - 1]
-    binding = _binding(dual) & ((row < count) | (basis < 0))
-    sample, end, _ = binding.nonzero()
-    ends["duals"][sample, end, row[binding]] = np.copysign(dual, basis)[binding]
+    for_all = ends["duals"].shape[2], kept
+    rows.over_samples(name, [np.minimum(most, INFINITY)], [ends], for_all, load=load)
     return ends
 
 

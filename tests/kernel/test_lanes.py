@@ -19,12 +19,13 @@ from mrts.cell.generation import generated_in_cache
 from mrts.kernel import programs
 from mrts.kernel.binding import bind
 from mrts.kernel.c_text import CELL_FILES, cell_source
-from mrts.kernel.cell_library import CellLibrary, range_record
+from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import FLAGS
 from mrts.kernel.programs import OPTIMAL, projections
 from mrts.kernel.tracking import closure_sizes
 from mrts.program.motion_rows import MotorTerms, motion_rows
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import unknown_ends
 from mrts.program.torque_distribution import TORQUE_WIDENING
 from mrts.timing.result import between_path_samples
 
@@ -85,14 +86,11 @@ def answers(request, tmp_path_factory):
         count, c2, known = len(at), all_c2[at], {}
         vars(plain.cell)["library"] = library
         for kind, rows in (("plain", plain), ("more", more)):
-            ranges, widening = np.zeros(count, dtype=range_record(library.unknowns)), np.zeros(count)
-            status = np.zeros(count, dtype=np.uint8)
-            rows.over_samples("mrts_ranges", [np.full(count, 1e300)], [ranges], samples=at)
+            ranges, kept = unknown_ends(count, len(units)), (~rows.is_cap).nonzero()[0]
+            widening, status = np.zeros(count), np.zeros(count, dtype=np.uint8)
+            rows.over_samples("mrts_ranges", [np.full(count, 1e300)], [ranges], (len(units) + 1, kept), samples=at)
             rows.over_samples("mrts_widenings", [c2], [widening, status], (units,), speed=1.0, samples=at)
-            known |= {
-                f"{kind} {name}": ranges[of]
-                for name, of in (("upper", "end"), ("effect", "effect"), ("status", "status"))
-            }
+            known |= {f"{kind} {name}": ranges[name] for name in ("lower", "upper", "effect", "status")}
             known[f"{kind} widening"] = widening
             for weights, W_all in (("diagonal", np.eye(len(W))), ("full", np.diag(W) + 0.1 * np.outer(W, W))):
                 torque, wrench = np.zeros((count, library.joints)), np.zeros((count, library.wrenches))

@@ -91,31 +91,49 @@ MRTS_EXPORT void mrts_samples_work(int rows, long long *reals, long long *ints) 
 /* Unknowns of a range whose rows have terms in c beside those in c^2. */
 #define MRTS_CURVED (MRTS_UNKNOWNS + 1)
 
-/* The range of c^2 of a sample, and the rows that determine its ends, 1 + row of the limits at an upper, -1 - row at a lower
- * one, those of the unknowns after them, with their multipliers (see mrts_lp); 0 where there is none. */
+/* A multiplier above this share of the largest binds. */
+#define MRTS_BINDING 1e-7
+
+/* The range of c^2 of a sample. */
 typedef struct {
     double end[2]; /* least and largest c^2 */
     double gap;    /* a c^2 below the interval, as of mrts_interval */
     double effect; /* the largest on a row, of c^2 = 1 or of c = 1 squared */
-    float dual[2][MRTS_CURVED];
-    short basis[2][MRTS_CURVED];
-    int status[2];
+    int status;
+    float duals[]; /* what binds at the least c^2, then at the largest, so many columns each */
 } mrts_range;
 
-/* Keeps an end of a range, of the answer's unknown c^2 in units of `column`, its basis and its multipliers. */
-static void mrts_keep_range(const mrts_limits *limits, const mrts_rows *rows, const int *basis, int end, int status,
-                            double c2, double column, const double *y, mrts_range *found) {
-    found->status[end] = status;
-    found->end[end] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
-    for (int j = 0; j < MRTS_UNKNOWNS; ++j) {
-        found->basis[end][j] = basis[0] == 0 ? 0 : mrts_row_of_limits(limits, rows, basis[j]);
-        found->dual[end][j] = (float)y[j];
+static inline mrts_range *mrts_next_range(mrts_range *found, int columns) {
+    return (mrts_range *)(void *)((char *)(found + 1) + 2 * columns * (long long)sizeof(float));
+}
+
+/* Keeps the multipliers of k rows of a basis that bind at an end (see mrts_lp), positive at an upper limit, negative at a
+ * lower one: those of the limits at their `place`, that of c^2 >= 0 in the last of the columns, if there are any. Rows
+ * after `rows` are of the unknowns, those of the speed from `speed` on. */
+static void mrts_keep_binding(int k, const mrts_rows *rows, int speed, const int *basis, const double *y, const int *place,
+                              int columns, float *duals) {
+    double largest = 0;
+    for (int j = 0; j < k; ++j) largest = fmax(largest, fabs(y[j]));
+    for (int j = 0; j < k && columns > 0; ++j) {
+        const int row = mrts_abs(basis[j]) - 1, is_limit = row < rows->count;
+        if (row < 0 || !(fabs(y[j]) > MRTS_BINDING * largest) || (!is_limit && (row < speed || basis[j] > 0))) continue;
+        duals[is_limit ? place[rows->which[row]] : columns - 1] = (float)copysign(y[j], basis[j]);
     }
 }
 
+/* Keeps an end of a range, of the answer's unknown c^2 in units of `column`, and what binds there. */
+static void mrts_keep_range(const mrts_rows *rows, const int *basis, int end, int status, double c2, double column,
+                            const double *y, const int *place, int columns, mrts_range *found) {
+    enum { K = MRTS_UNKNOWNS };
+    found->status = status;
+    found->end[end] = end && c2 >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED) ? INFINITY : c2 * column;
+    if (status != MRTS_OPTIMAL) return;
+    mrts_keep_binding(K, rows, rows->count + K - 1, basis, y, place, columns, found->duals + end * columns);
+}
+
 /* Solves both programs of one sample from the bases of the one before; `column` is the scale of c^2. */
-static void mrts_range_of_sample(const mrts_limits *limits, const mrts_rows *rows, double column,
-                                 int (*basis)[MRTS_UNKNOWNS], mrts_range *found, double *work, int *iwork) {
+static void mrts_range_of_sample(const mrts_rows *rows, double column, int (*basis)[MRTS_UNKNOWNS], const int *place,
+                                 int columns, mrts_range *found, double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS };
     double g[K] = {0}, x[K], y[K] = {0};
     int entering, status = MRTS_OPTIMAL;
@@ -126,7 +144,7 @@ static void mrts_range_of_sample(const mrts_limits *limits, const mrts_rows *row
             status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis[end], x, y, &entering, work,
                                    iwork);
         }
-        mrts_keep_range(limits, rows, basis[end], end, status, x[K - 1], column, y, found);
+        mrts_keep_range(rows, basis[end], end, status, x[K - 1], column, y, place, columns, found);
         if (status != MRTS_OPTIMAL) basis[end][0] = 0;
     }
 }
@@ -154,10 +172,11 @@ static void mrts_try_bases(const mrts_samples *samples, int (*basis)[MRTS_UNKNOW
     }
 }
 
-/* The ranges, up to `most`, of samples 0 .. count - 1; `terms` are those of all samples one after the other. Returns 1 if a
- * lower limit is above its upper one. */
+/* The ranges, up to `most`, of samples 0 .. count - 1; `terms` are those of all samples one after the other, `columns` and
+ * `place` those of mrts_keep_binding. Returns 1 if a lower limit is above its upper one. */
 MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride, const mrts_limits *limits,
-                            const mrts_terms *terms, const double *most, mrts_range *found, double *work, int *iwork) {
+                            const mrts_terms *terms, const double *most, int columns, const int *place, mrts_range *found,
+                            double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS };
     double *lp_work = work + MRTS_ROWS_WORK(K, limits->rows);
     int *lp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows), basis[2][K] = {{0}};
@@ -166,7 +185,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     mrts_samples_in(limits, terms, &rows, lp_work + MRTS_LP_WORK(K), &samples);
-    for (long long n = 0; n < count; ++n, ++found) {
+    for (long long n = 0; n < count; ++n, found = mrts_next_range(found, columns)) {
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) {
             mrts_take_samples(in, stride, n, count, n == 0, &samples);
@@ -180,15 +199,16 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
             for (int end = 0; end < 2; ++end) {
                 double y[K];
                 mrts_take_lane(K, by.y[end], lane, y);
-                mrts_keep_range(limits, &rows, basis[end], end, MRTS_OPTIMAL, by.x[end][K - 1][lane], column, y, found);
+                const double c2 = by.x[end][K - 1][lane];
+                mrts_keep_range(&rows, basis[end], end, MRTS_OPTIMAL, c2, column, y, place, columns, found);
             }
             continue;
         }
         if (samples.finite[lane]) {
             mrts_rows_of_lane(K, &samples, lane, &rows);
-            mrts_range_of_sample(limits, &rows, column, basis, found, lp_work, lp_iwork);
+            mrts_range_of_sample(&rows, column, basis, place, columns, found, lp_work, lp_iwork);
         } else {
-            found->status[0] = found->status[1] = MRTS_STOPPED;
+            found->status = MRTS_STOPPED;
             basis[0][0] = basis[1][0] = 0;
         }
         if (lane + 1 < MRTS_LANES) mrts_try_bases(&samples, basis, &by); /* for the samples beside this one */
@@ -196,19 +216,11 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     return 0;
 }
 
-/* A row of a curve's basis as one of the limits: 0 for a tangent, and one place for both unknowns of the speed. */
-static short mrts_row_of_curve(const mrts_limits *limits, const mrts_rows *rows, int code) {
-    const int row = mrts_abs(code) - 1, of_speed = rows->count + MRTS_UNKNOWNS;
-    if (row == rows->count) return 0;
-    if (row < rows->count) return mrts_row_of_limits(limits, rows, code);
-    return mrts_row_of_limits(limits, rows, code < 0 ? -of_speed : of_speed);
-}
-
 /* As mrts_ranges, where rows have terms in c beside those in c^2: the highest intervals. A tangent is no row. */
 MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, const long long *stride,
-                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, mrts_range *found,
-                                  double *work, int *iwork) {
-    enum { K = MRTS_UNKNOWNS, N = MRTS_CURVED };
+                                  const mrts_limits *limits, const mrts_terms *terms, const double *most, int columns,
+                                  const int *place, mrts_range *found, double *work, int *iwork) {
+    enum { K = MRTS_UNKNOWNS, N = MRTS_UNKNOWNS + 1 };
     double *speed = work + MRTS_ROWS_WORK(K, limits->rows), *curve_work = speed + limits->rows, column[K], end_dual[2 * N];
     int basis[MRTS_CURVE_BASES * N], end_basis[2 * N];
     mrts_curve_ends ends = {0, basis, end_basis, end_dual};
@@ -218,11 +230,11 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     mrts_samples_in(limits, terms, &rows, curve_work + MRTS_CURVE_WORK(K, limits->rows), &samples);
     for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
-    for (long long n = 0; n < count; ++n, ++found) {
+    for (long long n = 0; n < count; ++n, found = mrts_next_range(found, columns)) {
         const int lane = (int)(n % MRTS_LANES);
         mrts_interval of;
         if (lane == 0) mrts_take_samples(in, stride, n, count, n == 0, &samples);
-        found->status[0] = found->status[1] = MRTS_STOPPED;
+        found->status = MRTS_STOPPED;
         if (!samples.finite[lane]) continue;
         const mrts_terms here = mrts_terms_at(terms, n, limits->rows);
         mrts_rows_of_lane(K, &samples, lane, &rows);
@@ -233,16 +245,15 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
         const double size = unit > 0 ? MRTS_SQRT(unit) : 1;
         found->effect = unit > 0 ? 1 / unit : 0;
         ends.speed /= size;
-        found->status[0] = found->status[1] = mrts_highest_interval(&curve, MRTS_SQRT(most[n]) / size, &ends, &of);
+        found->status = mrts_highest_interval(&curve, MRTS_SQRT(most[n]) / size, &ends, &of);
         ends.speed *= size;
-        if (found->status[0] != MRTS_OPTIMAL) continue;
+        if (found->status != MRTS_OPTIMAL) continue;
         found->end[0] = of.low * size * (of.low * size);
         found->end[1] = of.high < MRTS_INFINITY ? of.high * size * (of.high * size) : INFINITY;
         found->gap = of.gap * size * (of.gap * size);
-        for (int i = 0; i < 2 * N; ++i) {
-            const short row = mrts_row_of_curve(limits, &rows, end_basis[i]);
-            found->basis[i / N][i % N] = row;
-            found->dual[i / N][i % N] = row ? (float)end_dual[i] : 0;
+        for (int end = 0; end < 2; ++end) {
+            mrts_keep_binding(N, &rows, rows.count + N - 1, end_basis + end * N, end_dual + end * N, place, columns,
+                              found->duals + end * columns);
         }
     }
     return 0;
@@ -365,10 +376,8 @@ typedef struct {
     double c2[2];
 } mrts_variant_range;
 
-/* As of mrts/program: a multiplier above this share of the largest binds; limits are moved outward by this share of
- * themselves, and a row is at its limit if no solution keeps further away than this share. One above MRTS_SURE is so in
- * any case. */
-#define MRTS_BINDING 1e-7
+/* As of mrts/program: limits are moved outward by this share of themselves, and a row is at its limit if no solution keeps
+ * further away than this share. One with a multiplier above MRTS_SURE is so in any case. */
 #define MRTS_WIDER 3e-9
 #define MRTS_NEAR 1e-4
 #define MRTS_SURE 1e-2
@@ -543,8 +552,8 @@ static int mrts_range_of_variant(mrts_variant_motion *in, mrts_variant_range *ra
     for (long long n = 0; n < in->samples; ++n) {
         mrts_range *found = in->found + n;
         const int at_rest = found->effect <= MRTS_REST * largest;
-        if (found->status[0] == MRTS_INFEASIBLE) return mrts_conflict(in, n, range);
-        if (found->status[0] != MRTS_OPTIMAL || found->status[1] != MRTS_OPTIMAL) return MRTS_STOPPED;
+        if (found->status == MRTS_INFEASIBLE) return mrts_conflict(in, n, range);
+        if (found->status != MRTS_OPTIMAL) return MRTS_STOPPED;
         if (at_rest && found->end[0] > 0) return MRTS_STOPPED;
         if (at_rest || !(found->end[1] < INFINITY)) found->end[1] = in->most[n];
         if (found->end[0] > low) low = found->end[0];
@@ -602,7 +611,7 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         }
         range[v].status = MRTS_STOPPED;
         if (!mrts_rows_over(MRTS_VK, &here, work, iwork, &in.rows)) continue;
-        mrts_ranges(samples, inputs, mrts_apart, &here, &none, in.most, in.found, ranges_work, ranges_iwork);
+        mrts_ranges(samples, inputs, mrts_apart, &here, &none, in.most, 0, 0, in.found, ranges_work, ranges_iwork);
         in.inputs = inputs;
         mrts_samples_in(&here, &none, &in.rows, samples_work, &in.here);
         range[v].status = mrts_range_of_variant(&in, range + v);
