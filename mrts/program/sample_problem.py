@@ -131,7 +131,8 @@ class SampleProblem:
         caps = self.is_cap
         return side_share(self.square[:, caps], self.lower[:, caps], self.upper[:, caps])
 
-    def cap(self) -> Array:
+    @property
+    def most(self) -> Array:
         """Largest value of the last unknown that the caps allow, infinity where they do not bound it, Shape (N,)."""
         return largest_square(self.cap_share)
 

@@ -25,7 +25,7 @@ from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, STOPPED, speed_i
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, conflicts_at, linear_conflicts, widening_at
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import CAPS_TIE, MotionRows, binds, largest_square, motion_rows
+from mrts.program.motion_rows import CAPS_TIE, MotionRows, binds, motion_rows
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER, Answers, ConvexPrograms, scales, solve_programs
 
@@ -203,9 +203,10 @@ def _binding(dual: NDArray[np.floating[Any]]) -> NDArray[np.bool_]:
 def with_caps(ends: RangeEnds, rows: MotionRows | SampleProblem) -> RangeEnds:
     """The same ends with the caps of rows that bind at the upper ones."""
     upper = ends["upper"]
-    at_cap = np.isfinite(upper) & (upper >= (1 - BINDING_TOLERANCE) * largest_square(rows.cap_share))
-    sample, cap = (at_cap[:, None] & binds(rows.cap_share)).nonzero()
-    ends["duals"][sample, 1, rows.is_cap.nonzero()[0][cap]] = np.copysign(np.inf, rows.cap_share[sample, cap])
+    at_cap = (np.isfinite(upper) & (upper >= (1 - BINDING_TOLERANCE) * rows.most)).nonzero()[0]
+    share = rows.cap_share[at_cap]
+    sample, cap = binds(share).nonzero()
+    ends["duals"][at_cap[sample], 1, rows.is_cap.nonzero()[0][cap]] = np.copysign(np.inf, share[sample, cap])
     return ends
 
 
@@ -238,7 +239,7 @@ def ends_by_linear_programs(problem: SampleProblem, *, alone: bool = False) -> R
     A[:, :, -1] *= unit[:, None]
     free = np.full((count, unknowns), np.inf)
     lower, upper = np.hstack([lower, -free]), np.hstack([upper, free])
-    lower[:, -1], upper[:, -1] = 0.0, np.where(effect > 0, np.minimum(UNBOUNDED, problem.cap() / unit), 0.0)
+    lower[:, -1], upper[:, -1] = 0.0, np.where(effect > 0, np.minimum(UNBOUNDED, problem.most / unit), 0.0)
 
     def solve(direction: float) -> Answers:
         g = np.zeros((count, unknowns))
@@ -290,7 +291,7 @@ def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
 
     The equations are left where c² is the only unknown: every row bounds it by itself. `duals` leave out caps.
     """
-    rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
+    rows, cap = ~problem.is_cap, np.minimum(problem.most, most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
     column, row = scales(A, lower == upper)
     A, speed = A * row[:, :, None], 0.0 * row if problem.speed is None else problem.speed[:, rows] * row

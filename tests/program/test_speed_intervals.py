@@ -104,7 +104,7 @@ def random_case(seed, folder):
 
 def checked_ends(problem, found, sample):
     """Ends hold by substitution, and just outside limits must move; rows are named at every end within the caps."""
-    one, cap = problem.at(np.array([sample])), problem.cap()[sample]
+    one, cap = problem.at(np.array([sample])), problem.most[sample]
     for low, high in speeds(found, sample):
         for end, outward in ((low, -1), (high, 1)):
             if not np.isfinite(end):
