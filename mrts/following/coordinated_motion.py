@@ -2,7 +2,7 @@
 """The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
 
 from collections.abc import Sequence
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from operator import attrgetter
 from typing import Annotated, Any
 
@@ -98,15 +98,13 @@ class CoordinatedMotion:
         """Whether it is a path through waypoints, whose time is its length."""
         return UNTIMED in map(attrgetter("code"), self.remarks)
 
-    def at(self, samples: NDArray[np.int_] | slice, time: Array | None = None) -> "CoordinatedMotion":
-        """Some samples, at least two; their time, Shape (k,), where none is given, only counts them."""
-        of, travel = self.object, None if self.travel is None else self.travel[:, samples]
-        q, dq, ddq = self.q[samples], self.dq[samples], self.ddq[samples]
-        poses = of.position[samples], of.rotation[samples], of.twist[samples], of.acceleration[samples]
-        course, own = (None, None) if time is None else (of.course, self.course)
-        time = np.arange(len(q), dtype=np.float64) if time is None else time
-        some = ObjectMotion(time, *poses, course=course, checked=False)
-        return CoordinatedMotion(some, q, dq, ddq, travel=travel, course=own, closed=self.closed, checked=False)
+    def at(self, samples: NDArray[np.int_] | slice) -> "CoordinatedMotion":
+        """Some samples, at least two, in their order, by themselves."""
+        parts: dict[str, Any] = {name: getattr(self.object, name)[samples] for name in PATH}
+        joints = {name: getattr(self, name)[samples] for name in ("q", "dq", "ddq")}
+        carried = replace(self.object, **parts, remarks=(), checked=False)
+        travel = None if self.travel is None else self.travel[:, samples]
+        return changed(self, object=carried, **joints, remarks=(), travel=travel)
 
     def played(
         self, time: Array, rate: Array | float, change: Array | float = 0.0, travel: Array | None = None

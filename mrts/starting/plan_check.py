@@ -176,7 +176,7 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
     else:
         torque, wrench = _best_torques(cell, motion)
     done = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
-    dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], motion.at(rows, motion.object.time[rows])
+    dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], motion.at(rows)
     kept = moving_rows(time, given["q"], dq, ddq)
     moving = time[kept], given["q"][kept], dq[kept], ddq[kept]
     near, said = clearance_remarks(cell, at_rows)

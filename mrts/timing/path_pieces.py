@@ -255,7 +255,7 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
     added = added[~np.isin(added, given)]
     whole = with_samples(cell, motion, added)
     chosen = np.flatnonzero(np.isin(whole.object.time, np.concatenate([added, given[kept]])))
-    return whole.at(chosen, whole.object.time[chosen])
+    return whole.at(chosen)
 
 
 def smooth_pieces(
@@ -300,7 +300,7 @@ def _smooth_piece(
     fine = path.played(z * duration, by[0, :, None], by[1, :, None], travel)
     return SmoothPath(
         first=first_node,
-        path=fine.at(nodes, fine.object.time[nodes]),
+        path=fine.at(nodes),
         speed=piece.speed[nodes],
         rests=piece.rests,
         arc=s[nodes],
