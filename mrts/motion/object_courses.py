@@ -72,16 +72,16 @@ CORNERS: dict[Profile, tuple[float, ...]] = {trapezoid: (RAMP, 1 - RAMP)}
 class ProfiledPath:
     """A path from pose to pose, or through waypoints, as a velocity profile runs along it in a duration [s].
 
-    `rates` gives the motion of a duration at fractions of the path.
+    `rates` gives the motion at shares of the path, by these and their derivatives by time.
     """
 
-    rates: Callable[[float, Fractions], ObjectRates]
+    rates: Callable[[Array, Array, Array], ObjectRates]
     profile: Profile
     duration: float
 
     def __call__(self, time: Array) -> ObjectRates:
         """The motion at some times, Shape (k,) [s]."""
-        return self.rates(self.duration, self.profile(time / self.duration))
+        return self.rates(*self.shares(time))
 
     def shares(self, time: Array) -> Fractions:
         """Share s of the path at some times [s], s' and s'', each Shape (k,)."""
@@ -103,11 +103,11 @@ class PoseSplines:
         return position, rotation, np.hstack([velocity, rate]), np.hstack([acceleration, change])
 
 
-def geodesic_rates(positions: Array, rotations: Array) -> Callable[[Array | float, Fractions], ObjectRates]:
+def geodesic_rates(positions: Array, rotations: Array) -> Callable[[Array, Array, Array], ObjectRates]:
     """Along a straight line and the geodesic rotation from one pose to another: one motion, or many that run alike.
 
-    Start and end are Shape (…, 2, 3) [m] and (…, 2, 3, 3), durations Shape (…) [s]; found are position, rotation, twist
-    and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
+    Start and end are Shape (…, 2, 3) [m] and (…, 2, 3, 3); shares are Shape (k,), and their derivatives Shape (…, k);
+    found are position, rotation, twist and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
     """
     first, last = rotations[..., 0, :, :], rotations[..., 1, :, :]
     step = positions[..., 1:, :] - positions[..., :1, :]
@@ -115,22 +115,14 @@ def geodesic_rates(positions: Array, rotations: Array) -> Callable[[Array | floa
     return partial(_along_geodesic, positions[..., :1, :], first, np.concatenate([step, turn], axis=-1))
 
 
-def _along_geodesic(
-    start: Array, first: Array, direction: Array, duration: Array | float, fractions: Fractions
-) -> ObjectRates:
-    s, ds, dds = (value[:, None] for value in fractions)
-    lead, samples = start.shape[:-2], len(s)
-    turned = rotations_from_vectors(s * direction[..., 3:]).reshape(*lead, 3 * samples, 3)
-    T = np.asarray(duration, dtype=np.float64)[..., None, None]
-    return (
-        start + s * direction[..., :3],
-        (turned @ first).reshape(*lead, samples, 3, 3),
-        ds / T * direction,
-        dds / T**2 * direction,
-    )
+def _along_geodesic(start: Array, first: Array, direction: Array, s: Array, ds: Array, dds: Array) -> ObjectRates:
+    way, lead, samples = s[:, None] * direction, start.shape[:-2], len(s)
+    turned = rotations_from_vectors(way[..., 3:]).reshape(*lead, 3 * samples, 3)
+    rotation = (turned @ first).reshape(*lead, samples, 3, 3)
+    return start + way[..., :3], rotation, ds[..., None] * direction, dds[..., None] * direction
 
 
-def waypoint_rates(positions: Array, rotations: Array) -> Callable[[float, Fractions], ObjectRates]:
+def waypoint_rates(positions: Array, rotations: Array) -> Callable[[Array, Array, Array], ObjectRates]:
     """Through M poses, Shape (M, 3) [m] and (M, 3, 3), on a C² path of splines, as `ProfiledPath.rates`.
 
     The path parameter is the distance along the waypoints, a turn counted by `ROTATION_LENGTH`.
@@ -152,14 +144,12 @@ def waypoint_rates(positions: Array, rotations: Array) -> Callable[[float, Fract
     return partial(_spline_rates, line, turn)
 
 
-def _spline_rates(line: Spline, turn: Callable[..., Any], duration: float, fractions: Fractions) -> ObjectRates:
+def _spline_rates(line: Spline, turn: Callable[..., Any], s: Array, ds: Array, dds: Array) -> ObjectRates:
     """On a spline of position and scipy's rotation spline, whose rates are in the body's axes."""
-    s, ds, dds = fractions
-    along = np.clip(s, 0.0, 1.0)
+    along, ds, dds = np.clip(s, 0.0, 1.0), ds[:, None], dds[:, None]
     rotation = np.asarray(turn(along).as_matrix(), dtype=np.float64)
     rate, change = (np.einsum("nij,nj->ni", rotation, turn(along, order)) for order in (1, 2))
     twist, acceleration = np.hstack([line(along, 1), rate]), np.hstack([line(along, 2), change])
-    ds, dds = ds[:, None] / duration, dds[:, None] / duration**2
     position = np.asarray(line(along), dtype=np.float64)
     return position, rotation, twist * ds, acceleration * ds**2 + twist * dds
 

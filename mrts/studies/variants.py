@@ -346,9 +346,9 @@ class VariantBatch:
         u, count = np.linspace(0.0, 1.0, len(self._motion.time)), len(refused)
         ends = np.broadcast_to(numbers["ends"], (count, 2, 2, 3))
         duration = np.where(refused, 1.0, np.broadcast_to(numbers["duration"], count))
-        profile = PROFILES[self._study.motion["profile"]](u)
-        rates = geodesic_rates(ends[:, :, 0], rotations_from_rpy(ends[:, :, 1]))(duration, profile)
-        return dict(zip(PATH, (duration[:, None] * u, *rates), strict=True))
+        (s, ds, dds), T = PROFILES[self._study.motion["profile"]](u), duration[:, None]
+        rates = geodesic_rates(ends[:, :, 0], rotations_from_rpy(ends[:, :, 1]))(s, ds / T, dds / T**2)
+        return dict(zip(PATH, (T * u, *rates), strict=True))
 
     def _limits(self, numbers: Mapping[str, Array]) -> dict[str, Array]:
         """Limits less the reserve: "lower" and "upper" of rows, and of "caps", which bound c² by themselves."""
