@@ -122,22 +122,27 @@ def torque_speed_lines(curve: Array) -> list[tuple[float, float]]:
 def _checked_curve(joint: int, given: object) -> Array:
     key = f"torque_speed[{joint}]"
     curve = as_array(f"motors: {key}", given)
+
+    def refuse(rule: str) -> InputError:
+        return InputError("motors", rule, key=key, value=curve.tolist())
+
     if curve.ndim != 2 or curve.shape[1] != 2 or len(curve) < 2:  # noqa: PLR2004 (pairs, and at least two)
-        raise InputError("motors", "must be at least two corners [speed, torque].", key=key, value=curve.tolist())
-    faster, higher = np.diff(curve, axis=0).T
-    with np.errstate(divide="ignore", invalid="ignore"):  # of speeds that do not rise
-        slopes = -higher / faster
-    rules = {
-        f"speeds and torques are sizes: they must be >= 0 and at most {LARGEST_NUMBER:.0e}.": (curve >= 0)
-        & (curve <= LARGEST_NUMBER),
-        "its first corner must be at standstill: [0, torque].": curve[0, 0] == 0,
-        "its speeds must rise from corner to corner.": faster > 0,
-        "its torques must not rise: a motor gives no more torque at a higher speed.": higher <= 0,
-        "it must fall ever more steeply (be concave): between its corners more must not be possible than on straight "
-        "lines. Leave out the corners that bend it upward.": np.diff(slopes) >= -ROUNDED_SLOPE * np.max(slopes),
-    }
-    if broken := [rule for rule, keeps in rules.items() if not np.all(keeps)]:
-        raise InputError("motors", broken[0], key=key, value=curve.tolist())
+        raise refuse("must be at least two corners [speed, torque].")
+    if not np.all((curve >= 0) & (curve <= LARGEST_NUMBER)):
+        raise refuse(f"speeds and torques are sizes: they must be >= 0 and at most {LARGEST_NUMBER:.0e}.")
+    if curve[0, 0] != 0:
+        raise refuse("its first corner must be at standstill: [0, torque].")
+    steps = np.diff(curve, axis=0)
+    if np.any(steps[:, 0] <= 0):
+        raise refuse("its speeds must rise from corner to corner.")
+    if np.any(steps[:, 1] > 0):
+        raise refuse("its torques must not rise: a motor gives no more torque at a higher speed.")
+    slopes = -steps[:, 1] / steps[:, 0]
+    if np.any(np.diff(slopes) < -ROUNDED_SLOPE * np.max(slopes)):
+        raise refuse(
+            "it must fall ever more steeply (be concave): between its corners more must not be possible than on "
+            "straight lines. Leave out the corners that bend it upward."
+        )
     curve.setflags(write=False)
     return curve
 
