@@ -160,13 +160,14 @@ class Obstacle:
     """Why there is no profile.
 
     Attributes:
-        kind: "segment" (no speed at `sample` leads on), "start" or "end" (the given speed is not admissible).
+        kind: "segment" (no speed at `sample` leads on), "start" or "end" (the given speed is not admissible), or
+            "undecided" (no speed is admissible there, or none was found).
         sample: Where on the path.
         reach: Admissible x there; for a segment, controllable x at its end.
         next_reach: At a start, controllable x at the next sample.
     """
 
-    kind: Literal["segment", "start", "end"]
+    kind: Literal["segment", "start", "end", "undecided"]
     sample: int
     reach: tuple[float, float]
     next_reach: tuple[float, float] | None = None
@@ -181,6 +182,8 @@ def fastest_profile(
         step: Length of each segment, Shape (n - 1,).
         rise: By how much s̈ is to rise along each segment, Shape (n - 1,); None where it is constant on all.
     """
+    if regions.undecided.any():
+        return Obstacle("undecided", int(regions.undecided.argmax()), (0.0, 0.0))
     rise = np.zeros_like(step) if rise is None else rise
     lower, upper = regions.lower.copy(), np.minimum(regions.upper, regions.bound)
     last = len(step)

@@ -106,16 +106,7 @@ class _Search:
         if self.rows.has_speed_terms:
             steps = successive_profiles([*self._problems()], self.piece.step, self.ends)
             return self._outcome(steps if isinstance(steps, Obstacle) else steps[-1])
-        regions = self._regions()
-        for sample in regions.undecided.nonzero()[0].tolist():
-            conflict = self._conflict(sample)
-            if conflict is None:
-                raise SolverError(
-                    f"the admissible speeds at {self._place(sample)} were not found, although its limits hold "
-                    "together. This is a defect of mrts or of extremely scaled data: please report cell and motion."
-                )
-            return RetimingStatus.INFEASIBLE, f"{conflict}.", conflict
-        return self._outcome(fastest_profile(self.piece.step, regions, self.ends))
+        return self._outcome(fastest_profile(self.piece.step, self._regions(), self.ends))
 
     def _problems(self, samples: NDArray[np.intp] | None = None) -> Iterator[SampleProblem]:
         """The rows of some samples, or all, for each load."""
@@ -160,6 +151,11 @@ class _Search:
             conflict = self._conflict(sample)
             if conflict is not None:
                 return RetimingStatus.INFEASIBLE, f"{conflict}.", conflict
+        if kind == "undecided":
+            raise SolverError(
+                f"the admissible speeds at {self._place(k)} were not found, although its limits hold together. This is "
+                "a defect of mrts or of extremely scaled data: please report cell and motion."
+            )
         given = None if on_way else self.ends[kind == "end"]
         conflict = self._conflict(k, obstacle.reach if on_way else obstacle.next_reach, given)
         rows = "" if conflict is None else f"; these conflict{conflict.with_load}: {rows_text(conflict.rows, '; ')}"

@@ -156,7 +156,7 @@ class _Search:
         return intersect_regions([speed_regions(one, length, (given[0] or 0.0, given[1] or 0.0)) for one in rows])
 
     def fastest(self, regions: SpeedRegions) -> SpeedProfile | None:
-        found = None if regions.undecided.any() else fastest_profile(self.step, regions, self.ends)
+        found = fastest_profile(self.step, regions, self.ends)
         return found if isinstance(found, SpeedProfile) else None
 
     def duration(self, profile: SpeedProfile) -> float:

@@ -476,7 +476,7 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
 #define MRTS_NEGLIGIBLE 1e-11
 
 /* Samples whose accelerations are looked at, to learn how fast the path may become. */
-#define MRTS_PROBES 5
+#define MRTS_PROBES 3
 
 /* The median of the largest |u| of some samples at rest, each at least that of a whole limit: some leave none. 0 where u moves
  * nothing. Arguments as of mrts_project_batch. */
