@@ -5,7 +5,7 @@ Document types are refused (entity bombs), and a missing mass or a missing entry
 default. Libraries that read URDFs import all that draws them first: 1 s of each first use of a cell.
 """
 
-from collections import Counter
+from collections.abc import Iterable
 from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 from math import inf
@@ -34,31 +34,29 @@ INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """Attributes of <inertia>."""
 
 
+@lru_cache(maxsize=FILES_KEPT)
 def parse_urdf(path: Path, content: bytes) -> Urdf:
     """Parse a URDF."""
-    return _parsed(path, text_of(path, "URDF", content))
-
-
-@lru_cache(maxsize=FILES_KEPT)
-def _parsed(path: Path, text: str) -> Urdf:
-    root = _parse(path, text)
+    root = _parse(path, text_of(path, "URDF", content))
     if root.tag != "robot":
         raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
-    _check_names_differ(path, root)
-    mistakes = Mistakes()
-    links, joints = {}, []
-    for link in root.findall("link"):
-        with mistakes.noted():
-            read = _link(path, link)
-            links[read.name] = read
-    for joint in root.findall("joint"):
-        with mistakes.noted():
-            joints.append(_joint(path, joint))
+    mistakes, links, joints = Mistakes(), dict[str, Any](), dict[str, Any]()
+    for tag, read, found in (("link", _link, links), ("joint", _joint, joints)):
+        elements = root.findall(tag)
+        if len(elements) > MAX_LINKS:
+            raise InputError(path, f"has {len(elements)} <{tag}> elements; mrts reads at most {MAX_LINKS}.")
+        for element in elements:
+            with mistakes.noted():
+                one = read(path, element)
+                if one.name in found:
+                    raise InputError(path, f"two {tag}s have this name.", key=f"{tag} '{one.name}'")
+                found[one.name] = one
     mistakes.raise_noted()
-    return Urdf(_root_of_tree(path, links, joints), links, {joint.child: joint for joint in joints})
+    root_link = _root_of_tree(path, links, joints.values())
+    return Urdf(root_link, links, {joint.child: joint for joint in joints.values()})
 
 
-def _root_of_tree(path: Path, links: dict[str, Link], joints: list[UrdfJoint]) -> str:
+def _root_of_tree(path: Path, links: dict[str, Link], joints: Iterable[UrdfJoint]) -> str:
     """The link that hangs from no joint; an error unless joints make a tree of links."""
     parents: dict[str, str] = {}
     for joint in joints:
@@ -159,16 +157,6 @@ def _joint(path: Path, joint: Any) -> UrdfJoint:
 def _origin(parts: dict[str, dict[str, Any]]) -> RigidTransform:
     p, rpy = (parts.get("origin", {}).get(key, np.zeros(3)) for key in ("xyz", "rpy"))
     return RigidTransform(snap_rotation(rotation_from_rpy(*rpy.tolist())), p)
-
-
-def _check_names_differ(path: Path, root: Any) -> None:
-    for tag in ("link", "joint"):
-        elements = root.findall(tag)
-        if len(elements) > MAX_LINKS:
-            raise InputError(path, f"has {len(elements)} <{tag}> elements; mrts reads at most {MAX_LINKS}.")
-        for name, count in Counter(element.get("name") for element in elements).items():
-            if count > 1:
-                raise InputError(path, f"two {tag}s have this name.", key=f"{tag} '{name}'")
 
 
 def _only(path: Path, where: str, element: Any, tag: str) -> Any:

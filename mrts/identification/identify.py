@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, apply, freeze
+from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, Remark, check_type, is_number, printable
 from mrts.base.version import __version__
 from mrts.base.words import first_names
@@ -64,9 +64,6 @@ LONGEST_GAP = 0.25
 
 DEGREE = 5
 """Of the spline through smoothed positions."""
-
-CHUNK = 4096
-"""Samples whose mass matrices are held at once."""
 
 CONFIDENCE = 0.95
 """Of the intervals."""
@@ -368,16 +365,12 @@ def smoothed_motion(
 
 def _rigid_torque(cell: Cell, robot: Robot, q: Array, dq: Array, ddq: Array) -> Array:
     """Torque of the links alone along a motion, the other arms at rest, Shape (N, n) [N m or N]."""
-    part, parts = cell.joint_slices[robot.name], []
-    for start in range(0, len(q), CHUNK):
-        some = slice(start, start + CHUNK)
-        count = len(q[some])
-        every, moving = np.tile(cell.posture, (count, 1)), np.zeros((count, len(cell.posture)))
-        every[:, part], moving[:, part] = q[some], dq[some]
-        of = cell.functions("dynamics", count, {"q": every, "dq": moving})
-        torque = apply(of["mass_matrix"][:, part, part], ddq[some])
-        parts.append(torque + of["coriolis_torque"][:, part] + of["gravity_torque"][:, part])
-    return np.concatenate(parts)
+    part, every = cell.joint_slices[robot.name], np.tile(cell.posture, (len(q), 1))
+    moving, changing = np.zeros((2, *every.shape))
+    every[:, part], moving[:, part], changing[:, part] = q, dq, ddq
+    nothing = {"load": np.zeros_like(cell.load), "object_wrench": np.zeros(cell.library.wrenches)}  # is held
+    motion = {"q": every, "dq": moving, "ddq": changing}
+    return cell.functions("played_torques", len(q), motion | nothing)["torque"][:, part]
 
 
 def _identify_arm(robot: Robot, motion: RecordedMotion) -> ArmMotors:
