@@ -12,7 +12,7 @@ import numpy as np
 from mrts_codegen.joint_limits import add_joint_limits
 from mrts_codegen.object_shape import build_object, check_contact_normals, mesh_surfaces
 from mrts_codegen.urdf.held_joints import check_machines, held_positions
-from mrts_codegen.urdf.robot_model import BuiltRobot, Joint, RobotModel, build_robot_model
+from mrts_codegen.urdf.robot_model import BuiltRobot, Joint, RobotModel, build_robot_model, frame_in_root
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
 from mrts.base.errors import InputError, Mistakes, Remark, did_you_mean
@@ -224,10 +224,11 @@ def _point_limits(
                 f"there is no such link{did_you_mean(given.link, urdf.links)} Its links are: {', '.join(urdf.links)}."
             )
             raise InputError(path, rule, key=f"{key}[{index}].link", value=given.link)
-        joints, T = model.link_frame(urdf, given.link, held)
+        joints = len({joint.name for joint in model.joints} & {joint.name for joint in urdf.joints_to(given.link)})
         if not joints:
             rule = f"no joint of robot '{robot.name}' moves this link, so nothing limits it."
             raise InputError(path, rule, key=f"{key}[{index}].link", value=given.link)
+        T = model.T_base_root @ frame_in_root(urdf, given.link, held)  # every joint at zero
         at_zero = (T.p + T.R @ np.array(given.point)).tolist()
         placed.append(ArmPointLimit(**dict(given) | {"name": name, "joints": joints, "at_zero": at_zero}))
     _check_names(path, key, [one.name for one in placed], [joint.name for joint in model.joints])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel, cell_manifest, read_cell_model
-from mrts_codegen.function_registry import BUILDERS, build_functions
+from mrts_codegen.generated_functions import BUILDERS, build_functions
 from mrts_codegen.model_c import DOUBLE, function_record, model_c
 
 from mrts.base.atomic_file import check_own, is_marked, text_writer, write_together

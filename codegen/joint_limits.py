@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Velocity, acceleration and jerk limits of joints from MoveIt's joint_limits.yaml."""
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from mrts.base.errors import InputError, Remark
-from mrts.base.formats.record import Finite, Rule, checked, checked_fields
-from mrts.base.input_file import FileReference, text_of
+from mrts.base.formats.record import Finite, Rule, checked_fields
+from mrts.base.input_file import FileReference, read_data
 from mrts.base.words import first_names
-from mrts.base.yaml_text import parse_yaml
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
 
@@ -30,7 +28,8 @@ KINDS |= {f"max_{of}": Finite | None for of in QUANTITIES}
 
 DEFAULTS = {name: True if name.startswith("has_") else None for name in KINDS}
 
-Share = Rule(gt=0, le=1)
+FACTORS: dict[str, Any] = {f"default_{of}_scaling_factor": Annotated[float, Rule(gt=0, le=1)] for of in QUANTITIES[:2]}
+"""Of the file: what its limits, and velocities of the URDF, are multiplied by."""
 
 
 def add_joint_limits(
@@ -50,11 +49,8 @@ def add_joint_limits(
         What of the file is not taken as it reads.
     """
     reference, joints = FileReference(text, key, "joint limits file"), values["joints"]
-    file, content = reference.path(path, folder), reference.content(path, folder)
-    try:
-        data = parse_yaml(text_of(file, "joint limits file", content))
-    except ValueError as error:
-        raise InputError(file, f"this joint limits file {error}.") from None
+    file, sha256 = reference.path(path, folder), reference.sha256(path, folder)
+    data = read_data(file, "joint limits file")
     while isinstance(data, dict) and (wrapper := next((name for name in WRAPPERS if name in data), None)) is not None:
         data = data[wrapper]
     entries = data.get("joint_limits") if isinstance(data, dict) else None
@@ -76,7 +72,12 @@ def add_joint_limits(
             read[name] = _limits({key: given[key] for key in KINDS if key in given})
         except InputError as error:
             raise error.inside(file, f"joint_limits.{name}") from None
-    factors = {of: _factor(file, data, of) for of in QUANTITIES[:2]}
+    try:
+        given = {key: data[key] for key in FACTORS if key in data}
+        scales = checked_fields(FACTORS, dict.fromkeys(FACTORS, 1.0), given)
+    except InputError as error:
+        raise error.inside(file) from None
+    factors = dict(zip(QUANTITIES, scales.values(), strict=False))
     velocity, acceleration, jerk = (
         np.array([read[j][of] if j in read else np.nan for j in joints]) * factors.get(of, 1.0) for of in QUANTITIES
     )
@@ -88,7 +89,7 @@ def add_joint_limits(
         "velocity_limit": np.where(np.isnan(velocity), of_urdf, velocity),
         "acceleration_lower": -most,
         "acceleration_upper": most,
-        "source": replace(values["source"], velocity=None, joint_limits=(text, hashlib.sha256(content).hexdigest())),
+        "source": replace(values["source"], velocity=None, joint_limits=(text, sha256)),
     }
     return _remarks(robot, key, file.name, factors, passed)
 
@@ -102,16 +103,6 @@ def _limits(entry: dict[str, Any]) -> dict[str, float]:
         if limits[of] <= 0:
             raise InputError("", f"'max_{of}' must be > 0 unless 'has_{of}_limits' is false.")
     return limits
-
-
-def _factor(file: Path, data: dict[str, Any], quantity: str) -> float:
-    key = f"default_{quantity}_scaling_factor"
-    try:
-        value = checked(float, data.get(key, 1.0))
-        Share.check(value, value)
-    except InputError as error:
-        raise error.inside(file, key) from None
-    return float(value)
 
 
 def _remarks(

@@ -74,7 +74,10 @@ def _body(function: ca.Function) -> str:
             lines.append(f"    res[{found[0]}][{found[1]}] = a{given[0]};\n")
             continue
         if code == ca.OP_CONST:
-            right = f"MRTS_CONSTANT({_constant(function, k)})"
+            value = float(function.instruction_constant(k))
+            if not abs(value) < ca.inf:
+                raise InputError(function.name(), "holds a number that is not finite.", value=value)
+            right = f"MRTS_CONSTANT({value!r})"
         elif code == ca.OP_INPUT:
             right = f"arg[{given[0]}][{given[1]}]"
         elif code in ANGLES:
@@ -95,10 +98,3 @@ def _body(function: ca.Function) -> str:
     variables = wrap(", ".join(f"a{place}" for place in range(function.sz_w())), LINE)
     declared = "".join(f"    MRTS_NUMBER {line.rstrip(',')};\n" for line in variables)
     return declared + "".join(lines)
-
-
-def _constant(function: ca.Function, instruction: int) -> str:
-    value = function.instruction_constant(instruction)
-    if not abs(value) < ca.inf:
-        raise InputError(function.name(), "holds a number that is not finite.", value=value)
-    return repr(float(value))

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Bodies of a cell file: what they look like, the inertia of a uniform one, whether hands press into the object."""
 
-import hashlib
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -54,10 +53,9 @@ def mesh_surfaces(path: Path, folder: Path, shape: BodyShape, key: str) -> tuple
     if shape.mesh is None:
         return {}, None
     reference, scale = FileReference(shape.mesh, f"{key}.mesh", "mesh"), shape.scale or 1.0
-    content = reference.content(path, folder)
-    surface = _read_mesh(reference.path(path, folder), content, scale)
+    surface = _read_mesh(reference.path(path, folder), reference.content(path, folder), scale)
     vertices, triangles = packed_surface(*coarser_surface(surface.vertices / scale, surface.faces, MOST_DRAWN))
-    sha256 = hashlib.sha256(content).hexdigest()
+    sha256 = reference.sha256(path, folder)
     return {shape.mesh: MeshSurface(sha256=sha256, vertices=vertices, triangles=triangles)}, surface
 
 
@@ -171,16 +169,15 @@ def check_contact_normals(
             direction = T.R @ (given / np.linalg.norm(given))
             outward = [] if shape is None else list(_faces_at(shape, surfaces, T.p))
             slopes = [float(direction @ normal) for normal in outward]
-            with mistakes.noted():
-                if slopes and max(slopes) >= OUTWARD and min(slopes) > -OUTWARD:
-                    face = outward[int(np.argmax(slopes))]
-                    into = ", ".join(f"{value:.3g}" for value in np.round(-T.R.T @ face, 3) + 0.0)
-                    rule = (
-                        "points out of the object: it must point from the hand into it, which at this face of its "
-                        f"shape is [{into}] in tip axes. Turn it round, or give 'pull: true' beside it if this hand "
-                        "presses outward, as from inside a hollow."
-                    )
-                    raise InputError(path, rule, key=key, value=hand["normal"])
+            if slopes and max(slopes) >= OUTWARD and min(slopes) > -OUTWARD:
+                face = outward[int(np.argmax(slopes))]
+                into = ", ".join(f"{value:.3g}" for value in np.round(-T.R.T @ face, 3) + 0.0)
+                rule = (
+                    "points out of the object: it must point from the hand into it, which at this face of its shape is "
+                    f"[{into}] in tip axes. Turn it round, or give 'pull: true' beside it if this hand presses "
+                    "outward, as from inside a hollow."
+                )
+                mistakes.add(InputError(path, rule, key=key, value=hand["normal"]))
             if not outward and direction @ T.p > OUTWARD * np.linalg.norm(T.p):
                 text = (
                     f"{path.name}: {key} = {hand['normal']} points away from the object's centre of mass, but should "

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All files of a cell's library: the kernel's C for any cell, with this cell's name, numbers and model."""
 
-import math
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -166,13 +165,10 @@ def c_number(value: float, precision: Precision) -> str:
         precision: Of the literal.
     """
     with np.errstate(over="ignore"):
-        rounded = float(np.float32(value)) if precision == "float" else float(value)
-    if not math.isfinite(rounded):
+        rounded = np.float32(value) if precision == "float" else np.float64(value)
+    if not np.isfinite(rounded):
         return ("-" if rounded < 0 else "") + UNLIMITED[precision]
-    text = f"{rounded:.9g}" if precision == "float" else repr(rounded)
-    if not re.search(r"[.e]", text):
-        text += ".0"
-    return text + ("f" if precision == "float" else "")
+    return f"{rounded!s}{'f' if precision == 'float' else ''}"
 
 
 def c_value(value: Any, precision: Precision) -> str:

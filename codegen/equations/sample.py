@@ -9,10 +9,8 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
-from mrts_codegen.equations.arm_dynamics import frame_jacobian, scaled_arm_terms
-from mrts_codegen.equations.object_dynamics import contact_offset, object_terms
-from mrts_codegen.urdf.link_inertia import Inertia
-from mrts_codegen.urdf.robot_model import RobotModel
+from mrts_codegen.equations.dynamics import contact_offset, frame_jacobian, object_terms, scaled_arm_terms
+from mrts_codegen.urdf.robot_model import Inertia, RobotModel
 
 from mrts.base.manifest import GEOMETRY, LOAD_ENTRIES
 from mrts.base.rigid_transform import RigidTransform

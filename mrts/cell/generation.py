@@ -242,7 +242,7 @@ def export_to(path: Path, folder: Path, *, name: str | None = None, **asked: Any
         The files, relative to the folder.
     """
     from mrts_codegen.embedded.export_library import export_library, write_library  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.function_registry import build_functions  # noqa: PLC0415
+    from mrts_codegen.generated_functions import build_functions  # noqa: PLC0415
 
     cell = cell_model(path)
     record = cell.record if name is None else replace(cell.record, name=name)

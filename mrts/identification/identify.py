@@ -71,6 +71,9 @@ CONFIDENCE = 0.95
 INDEPENDENT = 0.01
 """Share of a column that the other columns must leave, or the motion does not tell its parameter from theirs."""
 
+NO_SIZE = 1e-12
+"""Of a singular value, as a share of the largest: rounding of 0."""
+
 REFERENCE_RAMP = 0.1
 """Time to the joint's fastest speed [s] that gives the largest acceleration to speak of."""
 
@@ -462,7 +465,10 @@ def fit_joint(
         scale = np.sqrt(np.mean(X**2, axis=0))
         scale[scale == 0] = 1.0
         X = X / scale
-        independent = np.array([_left_by_others(X, column) > INDEPENDENT for column in range(X.shape[1])])
+        _, sizes, V = np.linalg.svd(X, full_matrices=False)
+        # what the others leave of a column is 1 by the length of its row of the pseudoinverse
+        left = 1 / np.linalg.norm(V / np.maximum(sizes, NO_SIZE * sizes[0])[:, None], axis=0)
+        independent = left > INDEPENDENT * np.sqrt(len(y))
         free = np.linalg.lstsq(X, y, rcond=INDEPENDENT**2)[0]
         bounded = lsq_linear(X, y, ([0.0, 0.0, 0.0, -np.inf], np.inf), method="bvls")
         theta, held = np.asarray(bounded.x, dtype=np.float64), np.asarray(bounded.active_mask != 0)
@@ -473,14 +479,6 @@ def fit_joint(
         doubt = half * np.array([fastest / REFERENCE_RAMP, 1.0, fastest])
         reasons = _reasons(columns[used], independent, doubt, torque_limit)
     return theta, half, reasons, held[:3]
-
-
-def _left_by_others(X: Array, column: int) -> float:
-    others, one = np.delete(X, column, axis=1), X[:, column]
-    size = float(np.linalg.norm(one))
-    if size == 0:
-        return 0.0
-    return float(np.linalg.norm(one - others @ np.linalg.lstsq(others, one, rcond=None)[0])) / size
 
 
 def _standard_errors(

@@ -123,9 +123,6 @@ def filled(kind: Any, **values: Any) -> Any:
 INFINITY = 1e300
 """What an absent limit is in C, or its negative; `MRTS_INFINITY` of numbers.h."""
 
-FREED = 1 << 24
-"""Bytes of the block that is freed once. The system's C library keeps twice as many for later arrays."""
-
 
 def keep_freed_memory() -> None:
     """Let memory that arrays give back serve the next ones: fresh pages cost as much as what is computed into them.
@@ -133,7 +130,7 @@ def keep_freed_memory() -> None:
     glibc gives memory back to the system at once until a large block has been freed, then it keeps twice that size
     (mallopt(3), M_MMAP_THRESHOLD). Elsewhere nothing changes.
     """
-    np.empty(FREED, dtype=np.uint8)  # nobody writes to it, so it takes no page
+    np.empty(1 << 24, dtype=np.uint8)  # nobody writes to it, so it takes no page
 
 
 def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArray[Any]]:

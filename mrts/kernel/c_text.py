@@ -27,7 +27,7 @@ SMOOTH_LEVEL = """#if defined(__GNUC__) && !defined(__clang__)
 """
 """Smooth timing takes a sixth longer with less, and is compiled once for all cells."""
 
-SELDOM = ("dynamics", "terms", "torque_form", "fixed_distribution", "played_torques")
+SELDOM = ("terms", "torque_form", "fixed_distribution", "played_torques")
 """Generated functions that few calls take: each is compiled by itself when one does."""
 
 IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
@@ -65,8 +65,8 @@ def one_text(names: tuple[str, ...]) -> str:
     return "\n".join(text(name) for name in names)
 
 
-def motion_macros(manifest: Manifest) -> dict[str, int | str]:
-    """Sizes of a cell and its generated functions, as far as the motion of its joints takes them."""
+def cell_macros(manifest: Manifest) -> dict[str, int | str]:
+    """Sizes of a cell and its generated functions; if these are of the motion of its joints alone, what that takes."""
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components, joints = len(manifest.cell.wrench_components), [len(robot.joints) for robot in manifest.cell.robots]
     first = list(accumulate(joints, initial=0))
@@ -85,14 +85,10 @@ def motion_macros(manifest: Manifest) -> dict[str, int | str]:
         macros["MRTS_REDUNDANT"] = 1
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
         macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
-    return macros
-
-
-def cell_macros(manifest: Manifest) -> dict[str, int | str]:
-    """All sizes of a cell and its generated functions."""
-    components = len(manifest.cell.wrench_components)
+    if "wrench_form" not in manifest.functions:
+        return macros
     sizes = [rows * columns for rows, columns in manifest.functions["wrench_form"].inputs.values()]
-    return motion_macros(manifest) | {
+    return macros | {
         "MRTS_WRENCHES": components * len(manifest.cell.robots),
         "MRTS_INPUTS": len(sizes),  # of the wrench form
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
@@ -109,7 +105,7 @@ def _defined(macros: dict[str, int | str]) -> str:
 
 def motion_source(manifest: Manifest, generated: str) -> str:
     """The C text of a library that only follows: the functions of a cell's motion, sizes, inverse kinematics."""
-    return f"{generated}\n{_defined(motion_macros(manifest))}{one_text(TRACKING_FILES)}"
+    return f"{generated}\n{_defined(cell_macros(manifest))}{one_text(TRACKING_FILES)}"
 
 
 def cell_source(manifest: Manifest, generated: str) -> str:

@@ -99,16 +99,12 @@ def _run(arguments: list[str]) -> tuple[int, str]:
             process_group=0,
         )
     except OSError as error:
-        raise CompilerError(
-            f"the C compiler {shlex.join(arguments[:1])} cannot be started: {error.strerror}. Set CC to a working one."
-        ) from None
+        return error.errno or 1, f"it cannot be started: {error.strerror}"
     with process:
         try:
             output, errors = process.communicate(timeout=PATIENCE)
         except subprocess.TimeoutExpired:
-            raise CompilerError(
-                f"the C compiler was not done after {PATIENCE:g} s and was stopped: {shlex.join(arguments)}\n{ADVICE}"
-            ) from None
+            return signal.SIGTERM, f"it was not done after {PATIENCE:g} s and was stopped"
         finally:
             if process.returncode is None:  # too slow, or Ctrl-C: its own children end with it
                 os.killpg(process.pid, signal.SIGTERM)

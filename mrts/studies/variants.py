@@ -21,8 +21,7 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
 from mrts.following.tracking import TrackedVariants, track_variants
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
-from mrts.kernel.tracking import PATH, REFUSED
-from mrts.kernel.variants import variant_ranges
+from mrts.kernel.tracking import PATH, REFUSED, variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_rows, wrench_limits
 from mrts.limits.rows import ActiveRow, kernel_limits

@@ -86,8 +86,8 @@ def measured(robot, q, effort, rng):
 
 def exact_efforts(cell, motors, q, dq, ddq):
     """Efforts of all arms by the cell's own equations."""
-    of = cell.functions("dynamics", len(q), {"q": q, "dq": dq})
-    rigid = np.einsum("nij,nj->ni", of["mass_matrix"], ddq) + of["coriolis_torque"] + of["gravity_torque"]
+    nothing = {"load": np.zeros(10), "object_wrench": np.zeros(cell.library.wrenches)}
+    rigid = cell.functions("played_torques", len(q), {"q": q, "dq": dq, "ddq": ddq, **nothing})["torque"]
     return rigid + motors.armature * ddq + motors.viscous * dq + motors.coulomb * np.sign(dq)
 
 

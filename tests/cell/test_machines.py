@@ -11,7 +11,7 @@ import pytest
 import yaml
 from conftest import DATA
 from mrts_codegen.cell_model import build_cell_model
-from mrts_codegen.equations.arm_dynamics import forward_kinematics, inverse_dynamics
+from mrts_codegen.equations.dynamics import forward_kinematics, inverse_dynamics
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf

@@ -6,8 +6,8 @@ import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
 from mrts_codegen.cell_model import read_cell_model
-from mrts_codegen.function_registry import build_functions
 from mrts_codegen.generate import generate_chains
+from mrts_codegen.generated_functions import build_functions
 from published_robots import ROBOTS
 from shipped_cells import cell_file, cell_of_arms, shipped
 

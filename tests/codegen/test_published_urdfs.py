@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from conftest import DATA
 from mrts_codegen.cell_model import build_cell_model
-from mrts_codegen.urdf.link_inertia import nearest_inertia
-from mrts_codegen.urdf.robot_model import build_robot_model
+from mrts_codegen.urdf.robot_model import build_robot_model, nearest_inertia
 from mrts_codegen.urdf.urdf_file import parse_urdf
 from published_robots import CASES, ROBOTS, urdf_path
 from yourdfpy import URDF

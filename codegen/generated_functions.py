@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Torques and wrenches as affine functions of few unknowns, in three forms, and those of a given motion.
+"""The generated functions: what each is called, what goes in and what comes out.
 
-Every formulation gives, for its unknowns x (k of them, c² last),
+A new function is one builder and one line in `BUILDERS`. Among them are torques and wrenches as affine functions of few
+unknowns, in three formulations; each gives, for its unknowns x (k of them, c² last),
 
     τ = torque_map x + torque_offset        F = wrench_map x + wrench_offset        equality_map x = equality_rhs
 
@@ -9,18 +10,70 @@ with Shapes (m, k), (m,) [N m], (n w, k), (n w,) [N, N m], (e, k), (e,), so that
 one two-sided linear row, whatever the formulation.
 """
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.equations.arm_dynamics import block_diagonal, chain_motion, spin, transmitted_torques
-from mrts_codegen.equations.object_dynamics import (
+from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.dynamics import (
     angular_balance,
+    bias_acceleration,
+    block_diagonal,
+    chain_motion,
+    forward_kinematics,
     grasp_map,
     grasp_map_inverse,
     linear_balance,
     load_inertia,
+    spin,
+    transmitted_torques,
 )
-from mrts_codegen.equations.sample import Sample
+from mrts_codegen.equations.sample import MOVING, Sample, sample_of
+
+from mrts.base.manifest import FOR_REDUNDANT_ARMS, GEOMETRY
+
+Named = dict[str, Any]
+
+
+def _kinematics(sample: Sample) -> Named:
+    rotations, positions = [], []
+    for model, base, q in zip(sample.models, sample.bases, sample.arms("q"), strict=True):
+        R_base_tip, p_base_tip = forward_kinematics(model, q)[-1]
+        positions.append(base.p + base.R @ p_base_tip)
+        rotations.append(base.R @ R_base_tip)
+    outputs = {"position": positions, "rotation": rotations, "jacobian": sample.J}
+    return {name: ca.horzcat(*parts) for name, parts in outputs.items()}
+
+
+def _bias_acceleration(sample: Sample) -> Named:
+    rows, arms = sample.cell.record.wrench_rows, zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True)
+    return {"bias_acceleration": ca.horzcat(*(bias_acceleration(*arm)[rows] for arm in arms))}
+
+
+def _torques_of_wrenches(sample: Sample) -> list[Any]:
+    """JᵀF of every arm."""
+    parts = ca.vertsplit(sample.inputs["wrench"], len(sample.cell.record.wrench_rows))
+    return [J.T @ part for J, part in zip(sample.J, parts, strict=True)]
+
+
+def _geometric_stiffness(sample: Sample) -> Named:
+    """∂(JᵀF)/∂q of every arm."""
+    arms = zip(_torques_of_wrenches(sample), sample.arms("q"), strict=True)
+    return {"geometric_stiffness": block_diagonal([ca.jacobian(torque, q) for torque, q in arms])}
+
+
+def _geometric_stiffness_rate(sample: Sample) -> Named:
+    """The second derivative of JᵀF along q' at constant F and q'."""
+    along = sample.inputs["q"], sample.inputs["dq"]
+    rate = ca.jtimes(ca.jtimes(ca.vertcat(*_torques_of_wrenches(sample)), *along), *along)
+    return {"geometric_stiffness_rate": rate}
+
+
+def _terms(sample: Sample) -> Named:
+    E, A, G = sample.terms_of_arms
+    P, S, Q = sample.terms_of_object
+    J, B = ca.horzcat(*sample.J), ca.horzcat(*grasp_maps(sample))
+    return {"E": E, "A": A, "G": G, "J": J, "B": B, "P": P, "S": S, "Q": Q}
 
 
 def grasp_maps(sample: Sample) -> list[Any]:
@@ -29,7 +82,7 @@ def grasp_maps(sample: Sample) -> list[Any]:
     return [grasp_map(offset, base.R, sample.cell.record.wrench_rows) for offset, base in arms]
 
 
-def wrench_form(sample: Sample) -> dict[str, Any]:
+def wrench_form(sample: Sample) -> Named:
     """Eq. (20): unknowns [F_1 … F_{n-1}, c²]; F_n = B_n⁻¹ (Q + c² P - Σ B_i F_i) leaves no equality.
 
     No inverse of a Jacobian, so it holds for redundant arms and at singularities.
@@ -42,7 +95,7 @@ def wrench_form(sample: Sample) -> dict[str, Any]:
     return _of_wrenches(sample, wrench_map, ca.vertcat(ca.SX.zeros(others), B_last_inverse @ Q))
 
 
-def _of_wrenches(sample: Sample, wrench_map: Any, wrench_offset: Any) -> dict[str, Any]:
+def _of_wrenches(sample: Sample, wrench_map: Any, wrench_offset: Any) -> Named:
     """The torques E c² + G + JᵀF of wrenches that are a map of unknowns, c² last."""
     (E, _, G), J_T = sample.terms_of_arms, block_diagonal([J.T for J in sample.J])
     torque_map = J_T @ wrench_map
@@ -51,7 +104,7 @@ def _of_wrenches(sample: Sample, wrench_map: Any, wrench_offset: Any) -> dict[st
     return torques | {"wrench_map": wrench_map, "wrench_offset": wrench_offset}
 
 
-def torque_form(sample: Sample) -> dict[str, Any]:
+def torque_form(sample: Sample) -> Named:
     """Eqs. (14), (21), (22), (23), (25), (27), (28): unknowns [τ, c²] on A_1 x = b_1.
 
     A_1 = [L, -P - L E], b_1 = L G + Q. The wrenches are J_D (τ - E c² - G), so A_2 = [J_D, -J_D E] and the offset
@@ -71,7 +124,7 @@ def torque_form(sample: Sample) -> dict[str, Any]:
     }
 
 
-def fixed_distribution(sample: Sample) -> dict[str, Any]:
+def fixed_distribution(sample: Sample) -> Named:
     """Eqs. (36), (37): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
 
     The caller keeps Σ α_i = 1 of the shares, and Σ B_i F_i = 0 of the internal wrenches, base axes.
@@ -99,7 +152,7 @@ def _shared_wrench(sample: Sample, total: Any) -> Any:
     return ca.vertcat(*(wrench[sample.cell.record.wrench_rows] for wrench in wrenches))
 
 
-def played_torques(sample: Sample) -> dict[str, Any]:
+def played_torques(sample: Sample) -> Named:
     """Torques D q̈ + C + G + JᵀF of joints that move as they do, for wrenches that carry the object nearly.
 
     The object moves as the first arm's tip does. What the wrenches, given in its axes, lack of what it takes is put on
@@ -138,3 +191,52 @@ def _needed(sample: Sample, motion: list[Any]) -> tuple[Any, Any]:
     w, dw, a = R.T @ w, R.T @ dw, R.T @ (a + spin(w, dw) @ origin)
     h = load[1:4]
     return linear_balance(load[0], h, a, w, dw), angular_balance(load_inertia(load), h, a, w, dw)
+
+
+BUILDERS: dict[str, tuple[Callable[[Sample], Named], tuple[str, ...]]] = {
+    "kinematics": (_kinematics, ("q",)),
+    "bias_acceleration": (_bias_acceleration, ("q", "dq")),
+    "geometric_stiffness": (_geometric_stiffness, ("q", "wrench")),
+    "geometric_stiffness_rate": (_geometric_stiffness_rate, ("q", "dq", "wrench")),
+    "terms": (_terms, MOVING),
+    "wrench_form": (wrench_form, MOVING),
+    "torque_form": (torque_form, MOVING),
+    "fixed_distribution": (fixed_distribution, (*MOVING, "shares", "internal_wrench")),
+    "played_torques": (played_torques, ("q", "dq", "ddq", "load", "object_wrench")),
+}
+"""Of each function by its short name what gives its outputs, and its inputs."""
+
+
+def _is_allowed(cell: CellModel, name: str) -> bool:
+    """Whether a cell has a function: some are for arms with more joints than a wrench has components, or as many."""
+    joints, size = [len(model.joints) for model in cell.models], len(cell.record.wrench_rows)
+    if name in FOR_REDUNDANT_ARMS:
+        return max(joints) > size
+    return name != "torque_form" or {*joints} == {size}
+
+
+def build_functions(
+    cell: CellModel, stem: str, *, bake: bool = False, names: Iterable[str] = BUILDERS
+) -> dict[str, ca.Function]:
+    """Functions of a cell as named CasADi Functions with named dense inputs and outputs.
+
+    Common subexpressions are merged, which saves 15 to 40 % of the instructions. `bake` folds the cell's geometry in;
+    else it is the last input of each.
+
+    Returns:
+        Short name to Function; the Function itself is called `<stem>_<short name>`.
+    """
+    sample, functions = sample_of(cell, bake=bake), {}
+    for name in names:
+        if not _is_allowed(cell, name):
+            continue
+        builder, given = BUILDERS[name]
+        outputs, inputs = builder(sample), [*given, *(() if bake else (GEOMETRY,))]
+        functions[name] = ca.Function(
+            f"{stem}_{name}",
+            [sample.inputs[one] for one in inputs],
+            ca.cse([ca.densify(output) for output in outputs.values()]),
+            inputs,
+            list(outputs),
+        )
+    return functions
