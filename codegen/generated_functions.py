@@ -18,7 +18,6 @@ from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.dynamics import (
     angular_balance,
     bias_acceleration,
-    block_diagonal,
     chain_motion,
     forward_kinematics,
     grasp_map,
@@ -59,7 +58,7 @@ def _torques_of_wrenches(sample: Sample) -> list[Any]:
 def _geometric_stiffness(sample: Sample) -> Named:
     """∂(JᵀF)/∂q of every arm."""
     arms = zip(_torques_of_wrenches(sample), sample.arms("q"), strict=True)
-    return {"geometric_stiffness": block_diagonal([ca.jacobian(torque, q) for torque, q in arms])}
+    return {"geometric_stiffness": ca.diagcat(*(ca.jacobian(torque, q) for torque, q in arms))}
 
 
 def _geometric_stiffness_rate(sample: Sample) -> Named:
@@ -97,7 +96,7 @@ def wrench_form(sample: Sample) -> Named:
 
 def _of_wrenches(sample: Sample, wrench_map: Any, wrench_offset: Any) -> Named:
     """The torques E c² + G + JᵀF of wrenches that are a map of unknowns, c² last."""
-    (E, _, G), J_T = sample.terms_of_arms, block_diagonal([J.T for J in sample.J])
+    (E, _, G), J_T = sample.terms_of_arms, ca.diagcat(*(J.T for J in sample.J))
     torque_map = J_T @ wrench_map
     torque_map[:, -1] += E
     torques = {"torque_map": torque_map, "torque_offset": J_T @ wrench_offset + G}
@@ -111,7 +110,7 @@ def torque_form(sample: Sample) -> Named:
     -J_D G. Every Jacobian must be square and well-conditioned.
     """
     (E, _, G), (P, _, Q) = sample.terms_of_arms, sample.terms_of_object
-    J_D = block_diagonal([ca.solve(J.T, ca.SX.eye(J.size1())) for J in sample.J])  # under (29): J_i^-T
+    J_D = ca.diagcat(*(ca.solve(J.T, ca.SX.eye(J.size1())) for J in sample.J))  # under (29): J_i^-T
     L = ca.densify(ca.horzcat(*grasp_maps(sample)) @ J_D)
     joints = E.numel()
     return {

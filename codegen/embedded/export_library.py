@@ -25,9 +25,7 @@ PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ012345678
 """Characters that mean themselves in a C string, trigraphs and format strings included."""
 
 MODEL_FUNCTIONS = ("terms", "wrench_form", "fixed_distribution")
-"""Generated functions that a library holds; one of a plan has `PLAYED` besides."""
-
-PLAYED = "played_torques"
+"""Generated functions that a library holds; one of a plan has "played_torques" besides."""
 
 OF_PLAN = ("backwards", "varies", "keeps_rates", "load", "armature", "coulomb", "viscous")
 """Fields of `cell_plan` of the exported header that are numbers."""
@@ -83,7 +81,7 @@ def export_library(
         InputError: If the name cannot be taken, or a function holds an operation that no C is known of.
     """
     _check_name(cell.name)
-    name, short_names = cell.name, MODEL_FUNCTIONS if plan is None else (*MODEL_FUNCTIONS, PLAYED)
+    name, short_names = cell.name, MODEL_FUNCTIONS if plan is None else (*MODEL_FUNCTIONS, "played_torques")
     model = {f"{name}_model_{short}": functions[short] for short in short_names}
     words = cell_words(cell, tables, plan, precision) | {"MODEL": model_c(model)}
 

@@ -33,11 +33,6 @@ def axis_rotation(axis: Array, angle: Any) -> Any:
     return R
 
 
-def block_diagonal(blocks: list[Any]) -> Any:
-    """Dense block-diagonal matrix of rectangular blocks."""
-    return ca.densify(ca.diagcat(*blocks))
-
-
 ChainMotion = list[tuple[Any, Any, Any, Any, Any]]
 """Of each joint's moved frame: its rotation, Shape (3, 3), and origin, Shape (3,) [m], in the frame before; in its own
 axes angular velocity [rad/s] and acceleration [rad/s²], and the acceleration of its origin [m/s²], each Shape (3,)."""

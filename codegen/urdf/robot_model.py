@@ -39,11 +39,6 @@ class Inertia:
     com: Array
     at_com: Array
 
-    @staticmethod
-    def zero() -> "Inertia":
-        """No body at all."""
-        return Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
-
     def seen_from(self, T: RigidTransform) -> "Inertia":
         """The same body in frame a, where `T` is the pose of its frame in a."""
         return Inertia(self.mass, T.p + multiply(T.R, self.com), multiply(multiply(T.R, self.at_com), T.R.T))
@@ -58,6 +53,9 @@ class Inertia:
             d = body.com - com
             at_com = at_com + body.mass * (sum(d * d) * np.eye(3) - d[:, None] * d[None, :])
         return Inertia(mass, com, at_com)
+
+
+NO_BODY = Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def is_point(link: Link) -> bool:
@@ -89,7 +87,7 @@ def link_inertia(path: Path, link: Link, remarks: list[Remark], *, lenient: bool
         if np.any(link.inertia):
             text = f"{path.name}: link '{link.name}' has an inertia but no mass; it counts as a frame without a body."
             remarks.append(Remark("massless-inertia", text))
-        return Inertia.zero()
+        return NO_BODY
     inertia = np.zeros((3, 3)) if is_point(link) else link.inertia
     if lenient and inertia_problem(inertia, rods=True) and np.any(inertia):
         inertia = nearest_inertia(inertia)
@@ -269,7 +267,7 @@ def build_robot_model(
 
     def carried(first: str) -> tuple[Inertia, bool, tuple[str, ...]]:
         """All that a joint carries up to the next, in the frame of its first link; whether held joints place any."""
-        total, by_held, points = Inertia.zero(), False, list[str]()
+        total, by_held, points = NO_BODY, False, list[str]()
         pending = [(first, RigidTransform.identity())]
         while pending:
             name, T_body_link = pending.pop()

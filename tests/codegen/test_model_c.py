@@ -86,7 +86,7 @@ def agree(library, functions, precision, rng):
 @pytest.mark.parametrize("cell", ["planar_dual_arm", "dual_ur5"])
 def test_the_functions_of_a_cell_are_those_of_the_virtual_machine(cell, precision, tmp_path):
     functions = functions_of(cell)
-    agree(compiled(functions, precision, tmp_path), functions, precision, np.random.default_rng(1))
+    agree(compiled(functions, precision, tmp_path), functions, precision, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("precision", ["double", "float"])
