@@ -11,13 +11,6 @@
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
 
-/* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
-static inline short mrts_row_of_limits(const mrts_limits *limits, const mrts_rows *rows, int code) {
-    const int row = mrts_abs(code) - 1;
-    const int place = row < rows->count ? rows->which[row] : limits->rows + row - rows->count;
-    return (short)(code < 0 ? -place - 1 : place + 1);
-}
-
 /* The wrench form at all samples, as mrts_map gives it, with the column of r'' where the speed varies. */
 MRTS_EXPORT void mrts_forms(long long count, int varying, const double *const *in, const long long *stride, double *const *out) {
     enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
@@ -87,9 +80,6 @@ MRTS_EXPORT void mrts_samples_work(int rows, long long *reals, long long *ints) 
              2 * (sides + K) + rows + MRTS_CURVE_WORK(K, rows);
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_QP_IWORK(F, rows) + MRTS_LP_IWORK(K, sides) + MRTS_CURVE_IWORK(K, rows);
 }
-
-/* Unknowns of a range whose rows have terms in c beside those in c^2. */
-#define MRTS_CURVED (MRTS_UNKNOWNS + 1)
 
 /* A multiplier above this share of the largest binds. */
 #define MRTS_BINDING 1e-7
@@ -382,9 +372,9 @@ typedef struct {
 #define MRTS_NEAR 1e-4
 #define MRTS_SURE 1e-2
 
-/* Adds a row, coded as of a program, in its place; 0 if there is no more room. */
-static int mrts_name(const mrts_limits *limits, const mrts_rows *rows, int code, int end, mrts_variant_range *range) {
-    const int row = mrts_row_of_limits(limits, rows, code);
+/* Adds a row, coded as of a program, to those of the limits that are named, in its place; 0 if there is no more room. */
+static int mrts_name(const mrts_rows *rows, int code, int end, mrts_variant_range *range) {
+    const int place = rows->which[mrts_abs(code) - 1], row = code < 0 ? -place - 1 : place + 1;
     int *named = range->rows[end], at = range->count[end];
     if (at == MRTS_MOST_NAMED) return 0;
     for (; at > 0 && mrts_abs(named[at - 1]) > mrts_abs(row); --at) named[at] = named[at - 1];
@@ -441,7 +431,7 @@ static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, 
             int is_sure = 0;
             if ((code > 0 ? rows->upper[i] - value : value - rows->lower[i]) > MRTS_NEAR) continue;
             for (int j = 0; j < certain; ++j) is_sure |= sure[j] == code;
-            if (is_sure && !mrts_name(limits, rows, code, end, range)) return 0;
+            if (is_sure && !mrts_name(rows, code, end, range)) return 0;
             if (is_sure) continue;
             if (count == MRTS_MOST_NAMED) return 0;
             near[count++] = code;
@@ -452,7 +442,7 @@ static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, 
     if (mrts_keep_away(rows, count, near, work, iwork) > MRTS_NEAR) return 1;
     for (int i = 0; i < count; ++i) {
         if (mrts_keep_away(rows, 1, near + i, work, iwork) > MRTS_NEAR) continue;
-        if (!mrts_name(limits, rows, near[i], end, range)) return 0;
+        if (!mrts_name(rows, near[i], end, range)) return 0;
     }
     return 1;
 }
@@ -539,7 +529,7 @@ static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_rang
     for (int j = -1; j < MRTS_VK; ++j) {
         const int row = mrts_abs(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
         if (row > in->rows.count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
-        mrts_name(in->here.limits, &in->rows, above ? row : -row, 0, range);
+        mrts_name(&in->rows, above ? row : -row, 0, range);
     }
     return status;
 }
