@@ -49,8 +49,13 @@ class CellLibrary:
         if name == "wrench_form":
             self.opened.mrts_forms(samples, varying, given, strides, places)
         else:
-            moving = pointers([np.empty(size) for size in sizes]) if varying else None
-            of = self.address(name), samples, len(strides), given, strides
+            still, moving = None, None
+            if varying:
+                moves = {"ddq": inputs["dq"], "object_acceleration": inputs["object_twist"]}
+                rests = {of: np.zeros_like(inputs[of]) for of in ("dq", "object_twist")}
+                still, _ = sample_inputs(record, samples, inputs | moves | rests)
+                moving = pointers([np.empty(size) for size in sizes])
+            of = self.address(name), samples, len(strides), given, still, strides
             self.opened.mrts_map(*of, len(sizes), places, sizes, ahead, moving)
         for output, value in outputs.items():
             outputs[output] = value[:, 0] if value.shape[1] == 1 else value.transpose(0, 2, 1)

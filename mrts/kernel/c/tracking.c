@@ -9,31 +9,21 @@ typedef void (*mrts_function)(const double *const *arg, double *const *res);
 
 /* Evaluates a generated function at `count` samples; a stride of 0 repeats an input. `in` and `out` move along. Where the speed
  * varies, `moving` has room for the outputs of a sample, and outputs of rows[i] > 0 get the column of r'' before their last,
- * that of r'^2: what the last one is at rest with velocities as accelerations, as no term quadratic in velocities is left. */
-MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, const double **in,
+ * that of r'^2: what the last one is of inputs `still`, at rest with velocities as accelerations. */
+MRTS_EXPORT void mrts_map(mrts_function function, long long count, int inputs, const double **in, const double **still,
                           const long long *in_stride, int outputs, double **out, const long long *out_stride,
                           const long long *rows, double **moving) {
-    static const double none[MRTS_JOINTS + 6] = {0};
     for (long long sample = 0; sample < count; ++sample) {
-        if (moving) {
-            const double *dq = in[MRTS_DQ], *ddq = in[MRTS_DDQ], *twist = in[MRTS_TWIST], *acceleration = in[MRTS_ACCELERATION];
-            function(in, moving);
-            in[MRTS_DQ] = in[MRTS_TWIST] = none;
-            in[MRTS_DDQ] = dq;
-            in[MRTS_ACCELERATION] = twist;
-            function(in, out);
-            in[MRTS_DQ] = dq;
-            in[MRTS_DDQ] = ddq;
-            in[MRTS_TWIST] = twist;
-            in[MRTS_ACCELERATION] = acceleration;
-        } else {
-            function(in, out);
-        }
+        function(in, moving ? moving : out);
+        if (moving) function(still, out);
         for (int i = 0; i < outputs; ++i) {
             out[i] += out_stride[i];
             for (int j = 0; j < rows[i]; ++j) out[i][j - rows[i]] = moving[i][out_stride[i] - 2 * rows[i] + j];
         }
-        for (int i = 0; i < inputs; ++i) in[i] += in_stride[i];
+        for (int i = 0; i < inputs; ++i) {
+            in[i] += in_stride[i];
+            if (moving) still[i] += in_stride[i];
+        }
     }
 }
 
