@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Where joints have the tips of their arms, several samples at a time: between the samples of a path, and beside grasps.
- */
+ * Where joints have the tips of their arms, several samples at a time: between the samples of a path, and beside grasps. */
 #include "lanes/lanes.h"
 
 /* v -= w x r */
@@ -25,8 +24,7 @@ static void mrts_tip_by_joints(int first, int end, const mrts_lanes *J, const mr
 
 /*
  * A retimed motion between the samples of its path, several places at a time: joints on polynomials through the samples, the
- * object where the first arm carries it, both at their speeds.
- */
+ * object where the first arm carries it, both at their speeds. */
 
 /* A path of joints, Shape (samples, MRTS_JOINTS) each, with its places. */
 typedef struct {
@@ -157,9 +155,9 @@ MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, 
     }
 }
 
-/* How far given joints are from holding an object that moves as given. What is told of an arm, the largest of all samples: the distance of its tip from its grasp, squared [m^2], the squares of
- * the differences of their rotation matrices, summed, and the largest component of velocities and of accelerations, of what
- * holds the grasp or of the tip, and of their differences, in base axes. */
+/* How far an arm is from holding an object that moves as given, the largest of all samples: the distance of its tip from its
+ * grasp, squared [m^2], the squares of the differences of their rotation matrices, summed, and the largest component of
+ * velocities and of accelerations, of what holds the grasp or of the tip, and of their differences, in base axes. */
 enum { MRTS_APART, MRTS_TURNED, MRTS_VELOCITY, MRTS_SLIP, MRTS_CHANGE, MRTS_CHANGE_SLIP, MRTS_CLOSURE_SIZES };
 
 /* The larger of what is known and a number of the samples; a number that is none is told. */

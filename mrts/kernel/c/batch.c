@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Whole batches in one call from Python: linear and quadratic programs, intervals of speeds, and
- * the passes of the fastest timing.
- */
+ * the passes of the fastest timing. */
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
 
@@ -73,8 +72,7 @@ MRTS_EXPORT void mrts_interval_batch(long long count, int k, int rows, const dou
  * The fastest speed along a path by reachability analysis (Pham and Pham, A new approach to time-optimal path
  * parameterization based on reachability analysis, IEEE T-RO 2018): x is the squared speed, u half its slope, constant
  * on each segment: x_(i+1) = x_i + 2 step_i u. Each sample has half-planes n_u u + n_x x <= h, which hold at both ends of
- * every segment (the interpolation scheme). Where u is to rise by a given amount along a segment, u is its mean.
- */
+ * every segment (the interpolation scheme). Where u is to rise by a given amount along a segment, u is its mean. */
 /* Rounding of a speed on a limit, relative to 1 and the limit, so that a region of one point does not miss itself. */
 #define MRTS_ON_LIMIT 2e-10
 
@@ -176,17 +174,6 @@ static int mrts_nearest(const mrts_bounds *bounds, double from, double to, long 
     return 1;
 }
 
-/* Least and largest x_i that leave some u; `meet` as of both. Returns 0 if there is none. */
-static int mrts_controllable(const mrts_bounds *bounds, long long meet[2][2], double *low, double *high) {
-    double least, most;
-    if (bounds->low > bounds->high) return 0;
-    if (!mrts_nearest(bounds, bounds->low, bounds->high, meet[0], &least)) return 0;
-    if (!mrts_nearest(bounds, bounds->high, bounds->low, meet[1], &most)) return 0;
-    *low = least;
-    *high = most > least ? most : least;
-    return 1;
-}
-
 /* Backward: the controllable sets [low, high] of samples 0 .. last, given as bounds of x and that of the last sample.
  * Forward: from the x[0] in them the largest controllable speed at each next sample. Returns the sample that has none, -1 if all
  * have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. */
@@ -197,7 +184,13 @@ MRTS_EXPORT long long mrts_fastest(long long last, const double *step, const dou
         const double reach[2] = {low[i + 1], high[i + 1]};
         const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], planes + 3 * start[i + 1],
                                                 planes + 3 * start[i + 2], reach, low[i], high[i], work);
-        if (!mrts_controllable(&bounds, meet, low + i, high + i)) return i;
+        double least, most; /* x_i that leaves some u */
+        if (bounds.low > bounds.high || !mrts_nearest(&bounds, bounds.low, bounds.high, meet[0], &least) ||
+            !mrts_nearest(&bounds, bounds.high, bounds.low, meet[1], &most)) {
+            return i;
+        }
+        low[i] = least;
+        high[i] = most > least ? most : least;
     }
     for (long long i = 0; i <= last; ++i) {
         x[i] = x[i] < low[i] ? low[i] : x[i] > high[i] ? high[i] : x[i];

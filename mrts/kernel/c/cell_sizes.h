@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Arms of a cell and its generated functions; their sizes and names are macros, see cell_macros of c_text.py.
- */
+ * Arms of a cell and its generated functions; their sizes and names are macros, see cell_macros of c_text.py. */
 #ifndef MRTS_CELL_SIZES_H
 #define MRTS_CELL_SIZES_H
 

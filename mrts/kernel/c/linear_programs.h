@@ -10,8 +10,7 @@
  *
  * The bounded dual simplex method with the bound flipping ratio test (Maros, Computational Techniques of the Simplex
  * Method, 2003, chapter 10; Koberstein, The dual simplex method, 2005), in its row form: k rows that hold with equality
- * determine x. Free unknowns start as rows without limits and leave first. Bland's rule (1977) ends cycles.
- */
+ * determine x. Free unknowns start as rows without limits and leave first. Bland's rule (1977) ends cycles. */
 #ifndef MRTS_LINEAR_PROGRAMS_H
 #define MRTS_LINEAR_PROGRAMS_H
 
@@ -291,7 +290,6 @@ static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_r
 }
 
 /* Linear program by the bounded dual simplex method with bound flipping.
- *
  * basis[k]: rows that determine x, -1 - row if at its lower, 1 + row at its upper limit; a free one is 1 + row too.
  *           basis[0] == 0 starts cold; otherwise the method starts from the rows that it holds. On return the last one.
  * x[k]:     the minimiser.
@@ -299,8 +297,7 @@ static int mrts_lp_certificate(int k, int rows, const mrts_real *A, const mrts_r
  *           infeasible, a certificate: with g = 0 the same sum over the basis and the row *entering, coded as a basis
  *           row, whose multiplier is -1 at its upper and 1 at its lower limit; then sum_i y_i limit_i > 0.
  * An unknown with a cost needs the limit that its cost pushes it against. Returns one of the statuses above. `work`
- * starts with the columns of the basis' inverse.
- */
+ * starts with the columns of the basis' inverse. */
 static inline int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                           const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
                           int *iwork) {

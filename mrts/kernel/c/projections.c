@@ -2,8 +2,7 @@
  *
  * The projection of a polytope onto its last two unknowns, u and x, from inside: its corners are projections of points that
  * keep all limits, so whatever is a mixture of them is feasible. They are counter-clockwise in the plane (u, x). Each is
- * given by k rows at a limit, the basis, as mrts_lp codes it.
- */
+ * given by k rows at a limit, the basis, as mrts_lp codes it. */
 #include "lanes/lane_types.h"
 #include "linear_programs.h"
 

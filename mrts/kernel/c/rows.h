@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The rows of one sample: limits of torques and wrenches, put in the unknowns of its programs. The desktop and an
- * exported library build them with this source, so that both have the same units and scales.
- */
+ * exported library build them with this source, so that both have the same units and scales. */
 #ifndef MRTS_ROWS_H
 #define MRTS_ROWS_H
 

@@ -19,8 +19,7 @@
  * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, which is 0 where there
  * is no limit.
  * Node k has the slots [rows above, rows below, cones, changes above, changes below, jerks at the start of its segment
- * above, below, at its end above, below]; the last two slots of all are those of the duration and of the share.
- */
+ * above, below, at its end above, below]; the last two slots of all are those of the duration and of the share. */
 #include "numbers.h"
 
 typedef struct {
@@ -206,13 +205,6 @@ static void mrts_smooth_cones(const mrts_smooth_program *p, mrts_smooth_state *s
     }
 }
 
-/* Of joint i at end e of a segment: q1 (u' - u) / step + 3 q2 u_e + q3 x_e, in units of its limit at `around`. */
-static double mrts_smooth_jerk(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int e, int i,
-                               double slope, double u, double x) {
-    const long long node = (long long)(k + e) * p->jerks + i, segment = (2LL * k + e) * p->jerks + i;
-    return (p->q1[node] * slope + 3 * p->q2[node] * u + p->q3[segment] * x) * state->root_around[k + e] / p->jerk[i];
-}
-
 /* The slots of a segment; with `shift` 1 values g, with 0 what they change where x, u, above and below are changes. */
 static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int shift,
                                 const double *x, const double *u, const double *above, const double *below, double *g) {
@@ -233,7 +225,9 @@ static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_
     for (int e = 0; e < 2; ++e, g += 2 * J) {
         const double limit = shift - (e ? dx1 : dx0) / (2 * a[k + e]);
         for (int i = 0; i < J; ++i) {
-            const double jerk = mrts_smooth_jerk(p, state, k, e, i, slope, u[k + e], x[k + e]);
+            const long long node = (long long)(k + e) * J + i, segment = (2LL * k + e) * J + i;
+            const double jerk = (p->q1[node] * slope + 3 * p->q2[node] * u[k + e] + p->q3[segment] * x[k + e]) *
+                                state->root_around[k + e] / p->jerk[i];
             g[i] = jerk - limit;
             g[J + i] = -jerk - limit;
         }
@@ -570,8 +564,7 @@ static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *
 /*
  * The Newton matrix of smooth timing, factored node by node. Unknowns are F_0, c_0, F_1, c_1, ..., F_(n-1), c_(n-1),
  * c_n with the control points c; node k's front is F_k, c_k, which are eliminated, and F_(k+1), c_(k+1), c_(k+2), which
- * are all that they meet.
- */
+ * are all that they meet. */
 
 static inline long long mrts_front_unknowns(const mrts_smooth_program *p) {
     return (long long)p->nodes * (p->free + 1) + 1;
@@ -861,8 +854,7 @@ static void mrts_front_scatter(const mrts_smooth_program *p, mrts_smooth_state *
 /*
  * The program by a primal-dual interior point method: Newton steps with predictor and corrector
  * (S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optimization 2, 1992), started
- * outside the limits.
- */
+ * outside the limits. */
 
 enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
 
@@ -957,21 +949,6 @@ static void mrts_smooth_clear(long long count, double *a) {
 
 static void mrts_smooth_copy(long long count, const double *from, double *to) {
     for (long long i = 0; i < count; ++i) to[i] = from[i];
-}
-
-/* g of all slots into `missed`, the objective and its gradient; its unit where `first`. */
-static double mrts_smooth_evaluate(const mrts_smooth_program *p, mrts_smooth_state *at, int first) {
-    double duration, objective, *g = at->missed;
-    mrts_smooth_values(p, at);
-    for (;;) {
-        objective = mrts_smooth_objective(p, at, &duration);
-        if (!first || !(objective > 0)) break;
-        at->unit = objective;
-        first = 0;
-    }
-    g[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
-    g[mrts_smooth_share_slot(p)] = -at->share;
-    return objective;
 }
 
 /* The slope of the Lagrangian along the share, with multipliers y. */
@@ -1163,7 +1140,15 @@ typedef struct {
 
 /* Evaluates the iterate; where `first`, also the unit of the objective, slacks and multipliers. */
 static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts_smooth_state *at, int first) {
-    mrts_smooth_distance is = {mrts_smooth_evaluate(p, at, first), 0, 0, 0};
+    double duration, *g = at->missed;
+    mrts_smooth_values(p, at);
+    mrts_smooth_distance is = {mrts_smooth_objective(p, at, &duration), 0, 0, 0};
+    if (first && is.objective > 0) {
+        at->unit = is.objective;
+        is.objective = mrts_smooth_objective(p, at, &duration);
+    }
+    g[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY ? duration / p->longest - 1 : 0;
+    g[mrts_smooth_share_slot(p)] = -at->share;
     if (first) mrts_smooth_first(p, at);
     is.objective += p->relaxed * at->share;
     for (long long i = 0; i < at->slots; ++i) {
@@ -1177,13 +1162,10 @@ static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts
     return is;
 }
 
-/* Solves a program.
- *
- * x, u, free: the answer, (n), (n), (n, f). Where the timing is given, x and u are read; F at a held end is read.
+/* x, u, free: the answer, (n), (n), (n, f). Where the timing is given, x and u are read; F at a held end is read.
  * share: by which limits of changes and jerks are passed, 0 where they are not relaxed.
  * iterations: how many it took.
- * Returns one of the statuses above; without an answer nothing that is written is one.
- */
+ * Returns one of the statuses above; without an answer nothing that is written is one. */
 MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, double *u, double *free, double *share,
                                   int *iterations, double *work) {
     const long long n = p->nodes, nf = n * p->free;

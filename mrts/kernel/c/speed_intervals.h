@@ -9,8 +9,7 @@
  * is found, by linear programs. The largest and the least y with some x >= y^2 bound a convex set: tangents of the parabola
  * are cuts, and the edge that each answer lies on says where the next one touches. What they leave lacks only points where
  * every x is above the parabola: the lower hull of the polygon is followed there, edge by edge from above, until one is
- * found that lies above the parabola. So both ends are on chords of feasible points.
- */
+ * found that lies above the parabola. So both ends are on chords of feasible points. */
 #ifndef MRTS_SPEED_INTERVALS_H
 #define MRTS_SPEED_INTERVALS_H
 

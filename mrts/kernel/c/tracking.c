@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Inverse kinematics of many variants of one cell along its motion; one motion is one variant.
- */
+ * Inverse kinematics of many variants of one cell along its motion; one motion is one variant. */
 #include "cell_sizes.h"
 #include "point_motion.h"
 

@@ -2,8 +2,7 @@
  *
  * The range of c^2 and the torques along a whole trajectory: the generated wrench form evaluated at each sample, its
  * rows put together, and the programs solved, each started from the answer at the sample before: several samples at a time
- * where that still holds, one by one where it does not.
- */
+ * where that still holds, one by one where it does not. */
 #include "lanes/lanes.h"
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
@@ -354,8 +353,6 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
 /* Most rows that are named at an end, or near to it. */
 #define MRTS_MOST_NAMED (4 * MRTS_UNKNOWNS)
 
-enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
-
 /* Where the range of c^2 over a variant's whole motion ends, the intersection of those of its samples, and why. */
 typedef struct {
     int status;    /* MRTS_OPTIMAL, MRTS_INFEASIBLE at sample[0], or MRTS_STOPPED */
@@ -386,7 +383,7 @@ static int mrts_name(const mrts_rows *rows, int code, int end, mrts_variant_rang
 /* The largest distance, at most 1, that wrenches within all limits can keep from some sides of rows at once, or more
  * than that where rounding leaves it open: what a program stops at is on the far side. `rows` has c^2 put in. */
 static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides, double *work, int *iwork) {
-    enum { K = MRTS_VK, F = MRTS_VF };
+    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
     double *A = work, *lower = A + (rows->count + MRTS_MOST_NAMED) * K, *upper = lower + rows->count + MRTS_MOST_NAMED + K;
     double g[K], x[K], y[K];
     int basis[K] = {0}, entering;
@@ -412,7 +409,7 @@ static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides,
  * away from it. `sample` has the rows of one sample, not scaled, in its first lane. */
 static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, double c2, const double *x,
                           const int *basis, const double *y, mrts_variant_range *range, double *work, int *iwork) {
-    enum { K = MRTS_VK, F = MRTS_VF };
+    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
     const mrts_limits *limits = sample->limits;
     int near[MRTS_MOST_NAMED], count = 0, sure[K], certain = 0;
     double largest = 0, column[K];
@@ -447,8 +444,7 @@ static int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, 
     return 1;
 }
 
-/* Share of an end by which another sample's may differ and still count as the same: twice that of the samples that tie.
- */
+/* Share of an end by which another sample's may differ and still count as the same: twice that of samples that tie. */
 #define MRTS_TIE 1e-7
 
 /* A sample is at rest where c^2 moves no row by more than this share of what it does elsewhere. */
@@ -475,7 +471,7 @@ static const long long mrts_apart[] = {MRTS_JOINTS, MRTS_JOINTS, MRTS_JOINTS, 9,
  * wrenches x that go with it, and the rows and multipliers that determine it or prove that there is none. */
 static int mrts_exact_end(mrts_variant_motion *in, long long n, int end, int *basis, double *c2, double *x, double *y,
                           int *entering) {
-    enum { K = MRTS_VK };
+    enum { K = MRTS_UNKNOWNS };
     mrts_rows *rows = &in->rows;
     double g[K] = {0}, column[K];
     mrts_take_samples(in->inputs, mrts_apart, n, n + 1, 1, &in->here);
@@ -495,7 +491,7 @@ static int mrts_exact_end(mrts_variant_motion *in, long long n, int end, int *ba
 /* An end of a range, c^2, and the first of the samples that set it: from cold starts, so that what is found is the same
  * whatever came before. */
 static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant_range *range) {
-    enum { K = MRTS_VK };
+    enum { K = MRTS_UNKNOWNS };
     double x[K], y[K], its;
     int basis[K], entering;
     long long at = -1, first = -1;
@@ -519,14 +515,14 @@ static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant
 /* Names the rows of a sample's certificate, whose limits exclude each other: of the basis those with a multiplier, and the one
  * that was to enter. Bounds of c^2 are none. */
 static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_range *range) {
-    double x[MRTS_VK], y[MRTS_VK], c2, largest = 1;
-    int basis[MRTS_VK], entering;
+    double x[MRTS_UNKNOWNS], y[MRTS_UNKNOWNS], c2, largest = 1;
+    int basis[MRTS_UNKNOWNS], entering;
     const int status = mrts_exact_end(in, n, 0, basis, &c2, x, y, &entering);
     range->sample[0] = (int)n;
     range->count[0] = 0;
     if (status != MRTS_INFEASIBLE) return MRTS_STOPPED;
-    for (int j = 0; j < MRTS_VK; ++j) largest = fmax(largest, fabs(y[j]));
-    for (int j = -1; j < MRTS_VK; ++j) {
+    for (int j = 0; j < MRTS_UNKNOWNS; ++j) largest = fmax(largest, fabs(y[j]));
+    for (int j = -1; j < MRTS_UNKNOWNS; ++j) {
         const int row = mrts_abs(j < 0 ? entering : basis[j]), above = j < 0 ? entering > 0 : y[j] < 0;
         if (row > in->rows.count || (j >= 0 && !(fabs(y[j]) > MRTS_SEPARATED * largest))) continue;
         mrts_name(&in->rows, above ? row : -row, 0, range);
@@ -557,9 +553,9 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
     const int most = 2 * rows + MRTS_MOST_NAMED;
     long long of_ranges, ints_of_ranges;
     mrts_samples_work(rows, &of_ranges, &ints_of_ranges);
-    *reals = MRTS_ROWS_WORK(MRTS_VK, rows) + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK) + MRTS_SAMPLES_WORK(rows) +
-             (long long)samples * MRTS_SAMPLE_FOUND + of_ranges;
-    *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_VK, most) + ints_of_ranges;
+    *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_ROWS_WORK(MRTS_UNKNOWNS, most) + MRTS_LP_WORK(MRTS_UNKNOWNS) +
+             MRTS_SAMPLES_WORK(rows) + (long long)samples * MRTS_SAMPLE_FOUND + of_ranges;
+    *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_UNKNOWNS, most) + ints_of_ranges;
 }
 
 /* The ranges of variants 0 .. count - 1 of the same number of samples, from arrays of all one after the other; a
@@ -575,11 +571,11 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
     mrts_limits here = *limits;
     double base[9 * MRTS_ROBOTS];
     mrts_variant_motion in = {.samples = samples};
-    in.work = work + MRTS_ROWS_WORK(MRTS_VK, limits->rows);
+    in.work = work + MRTS_ROWS_WORK(MRTS_UNKNOWNS, limits->rows);
     in.iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
-    double *samples_work = in.work + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK);
+    double *samples_work = in.work + MRTS_ROWS_WORK(MRTS_UNKNOWNS, most) + MRTS_LP_WORK(MRTS_UNKNOWNS);
     double *columns = samples_work + MRTS_SAMPLES_WORK(limits->rows), *ranges_work = columns + samples * MRTS_SAMPLE_FOUND;
-    int *ranges_iwork = in.iwork + MRTS_LP_IWORK(MRTS_VK, most);
+    int *ranges_iwork = in.iwork + MRTS_LP_IWORK(MRTS_UNKNOWNS, most);
     in.most = columns + 9 * samples;
     in.found = (mrts_range *)(void *)(in.most + samples);
     for (long long v = 0; v < count; ++v) {
@@ -600,7 +596,7 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
             in.most[n] = of[MOST][n];
         }
         range[v].status = MRTS_STOPPED;
-        if (!mrts_rows_over(MRTS_VK, &here, work, iwork, &in.rows)) continue;
+        if (!mrts_rows_over(MRTS_UNKNOWNS, &here, work, iwork, &in.rows)) continue;
         mrts_ranges(samples, inputs, mrts_apart, &here, &none, in.most, 0, 0, in.found, ranges_work, ranges_iwork);
         in.inputs = inputs;
         mrts_samples_in(&here, &none, &in.rows, samples_work, &in.here);

@@ -2,8 +2,7 @@
  *
  * By how much the limits of a sample must move outward before they admit a given c^2. Where they need not, wrenches that
  * keep them all show it: those of the sample before, moved so that the rows that bound them there still do. Where these do
- * not, the nearest that do are looked for, and where there are none a linear program finds the least widening.
- */
+ * not, the nearest that do are looked for, and where there are none a linear program finds the least widening. */
 #include "lanes/lanes.h"
 #include "quadratic_programs.h"
 
@@ -62,23 +61,6 @@ static void mrts_bound_again(const mrts_rows_lanes *rows, const mrts_wrenches_be
     }
 }
 
-/* The point of scaled rows nearest to x, which it replaces, and the rows that bound it; 0 where there is none, or none was
- * found. */
-static int mrts_nearest_kept(int k, const mrts_rows *rows, double *x, int *active, int *count, double *work, int *iwork) {
-    double H[MRTS_UNKNOWNS * MRTS_UNKNOWNS], g[MRTS_UNKNOWNS], found[MRTS_UNKNOWNS], u[MRTS_UNKNOWNS];
-    for (int i = 0; i < k * k; ++i) H[i] = 0;
-    for (int j = 0; j < k; ++j) {
-        H[j * k + j] = 1;
-        g[j] = -x[j];
-    }
-    if (mrts_qp(k, rows->count, H, rows->A, rows->lower, rows->upper, g, found, active, u, count, work, iwork) !=
-        MRTS_OPTIMAL) {
-        return 0;
-    }
-    for (int j = 0; j < k; ++j) x[j] = found[j];
-    return 1;
-}
-
 /* Least s >= 0 such that some x keeps all limits moved outward by s: min s, lower - s <= A x <= upper + s. Both are put
  * into x, Shape (k), s last; returns a status of mrts_lp. */
 static int mrts_elastic(int k, const mrts_rows *rows, int *basis, double *x, double *work, int *iwork) {
@@ -108,12 +90,15 @@ static int mrts_elastic(int k, const mrts_rows *rows, int *basis, double *x, dou
 static int mrts_widening_of_sample(mrts_rows *rows, mrts_wrenches_before *known, int *basis, double *share, double *work,
                                    int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
-    double x[K];
-    int status = MRTS_OPTIMAL;
+    double x[K], H[K * K] = {0}, g[K], u[K]; /* of the point of scaled rows nearest to the wrenches before */
     *share = 0;
     mrts_scale_columns(F, rows, known->scale);
-    for (int j = 0; j < F; ++j) x[j] = known->count < 0 ? 0 : known->wrench[j] / known->scale[j];
-    if (!mrts_nearest_kept(F, rows, x, known->active, &known->count, work, iwork)) {
+    for (int j = 0; j < F; ++j) {
+        H[j * F + j] = 1;
+        g[j] = known->count < 0 ? 0 : -known->wrench[j] / known->scale[j];
+    }
+    int status = mrts_qp(F, rows->count, H, rows->A, rows->lower, rows->upper, g, x, known->active, u, &known->count, work, iwork);
+    if (status != MRTS_OPTIMAL) {
         status = mrts_elastic(K, rows, basis, x, work + MRTS_QP_WORK(F), iwork);
         *share = x[F];
         known->count = status == MRTS_OPTIMAL ? 0 : -1;

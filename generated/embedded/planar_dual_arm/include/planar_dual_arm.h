@@ -4,8 +4,7 @@
  *
  * Units: m, rad, s, kg, N, N m. Derivatives q', q'' are those of the motion as given (c = 1). World axes unless said
  * otherwise; contact wrenches are what an arm exerts on the object at its contact, in the axes of that arm's base.
- * Every function is re-entrant: it writes only to its arguments. Iterations are bounded. Nothing is allocated.
- */
+ * Every function is re-entrant: it writes only to its arguments. Iterations are bounded. Nothing is allocated. */
 #ifndef PLANAR_DUAL_ARM_H
 #define PLANAR_DUAL_ARM_H
 

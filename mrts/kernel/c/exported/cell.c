@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The cell of an exported library. What begins with cell_ and CELL_ takes the library's name there. The model, constants
- * and tables are generated.
- */
+ * and tables are generated. */
 #include "cell.h"
 #include "cell_model.h"
 

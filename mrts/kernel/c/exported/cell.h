@@ -5,8 +5,7 @@
  *
  * Units: m, rad, s, kg, N, N m. Derivatives q', q'' are those of the motion as given (c = 1). World axes unless said
  * otherwise; contact wrenches are what an arm exerts on the object at its contact, in the axes of that arm's base.
- * Every function is re-entrant: it writes only to its arguments. Iterations are bounded. Nothing is allocated.
- */
+ * Every function is re-entrant: it writes only to its arguments. Iterations are bounded. Nothing is allocated. */
 #ifndef MRTS_CELL_H
 #define MRTS_CELL_H
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The generated functions. Matrices are column after column; see the source for inputs and outputs.
- */
+ * The generated functions. Matrices are column after column; see the source for inputs and outputs. */
 #ifndef MRTS_CELL_MODEL_H
 #define MRTS_CELL_MODEL_H
 

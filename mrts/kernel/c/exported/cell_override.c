@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The speed of a plan at run time; see cell_override.h.
- */
+ * The speed of a plan at run time; see cell_override.h. */
 #include "cell_override.h"
 #include "cell_model.h"
 

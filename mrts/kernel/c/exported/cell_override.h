@@ -4,8 +4,7 @@
  * s from 0 to its duration; its speed ds/dt is 1 as planned, 0 where the cell holds still. At every s the accelerations
  * d2s/dt2 that keep all limits lie between two ends, at rest and at the largest speed, and torques and wrenches of what
  * lies between are mixtures of those at the ends; nothing is solved here. Include after cell.h, link with
- * src/cell_override.c; docs/override_controller.cpp of mrts plays a plan.
- */
+ * src/cell_override.c; docs/override_controller.cpp of mrts plays a plan. */
 #ifndef MRTS_CELL_OVERRIDE_H
 #define MRTS_CELL_OVERRIDE_H
 

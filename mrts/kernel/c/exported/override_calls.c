@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What Python asks of a plan that is played, in the C of an export; sizes and the model are macros of the cell.
- */
+ * What Python asks of a plan that is played, in the C of an export; sizes and the model are macros of the cell. */
 #include "../numbers.h"
 
 typedef double cell_real;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Numbers side by side in the lanes of a vector register, whatever registers the machine has.
- */
+ * Numbers side by side in the lanes of a vector register, whatever registers the machine has. */
 #ifndef MRTS_LANE_TYPES_H
 #define MRTS_LANE_TYPES_H
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Samples side by side in the lanes of vector registers: the same operations in the same order in each lane, whatever
- * registers the machine has, so that all machines give the same bits.
- */
+ * registers the machine has, so that all machines give the same bits. */
 #ifndef MRTS_LANES_H
 #define MRTS_LANES_H
 

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * What every file of the kernel shares: the type of its numbers, how functions are linked, and the tolerances.
- *
  * The kernel is C99, without allocation, input, output or static data that change: the caller owns every array, and a
- * function's *_work says how long its work arrays must be. Matrices are by rows unless said otherwise.
- */
+ * function's *_work says how long its work arrays must be. Matrices are by rows unless said otherwise. */
 #ifndef MRTS_NUMBERS_H
 #define MRTS_NUMBERS_H
 

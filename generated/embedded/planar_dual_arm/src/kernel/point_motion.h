@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * How points of arms and of the object move at one sample: velocity p' and acceleration p''. An exported library finds
- * them with this source; what is read without a compiler, mrts/limits/motion_limits.py, in numpy.
- */
+ * them with this source; what is read without a compiler, mrts/limits/motion_limits.py, in numpy. */
 #ifndef MRTS_POINT_MOTION_H
 #define MRTS_POINT_MOTION_H
 

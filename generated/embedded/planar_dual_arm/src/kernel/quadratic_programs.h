@@ -2,8 +2,7 @@
  *
  * Small dense strictly convex quadratic programs: minimise 1/2 x'Hx + g'x under the limits of linear_programs.h, by the dual
  * method of Goldfarb and Idnani, A numerically stable dual method for solving strictly convex quadratic programs,
- * Mathematical Programming 27, 1983; two-sided rows and a final refinement are added.
- */
+ * Mathematical Programming 27, 1983; two-sided rows and a final refinement are added. */
 #ifndef MRTS_QUADRATIC_PROGRAMS_H
 #define MRTS_QUADRATIC_PROGRAMS_H
 
@@ -86,11 +85,9 @@ static void mrts_qp_refine(int k, int count, const mrts_real *J, const mrts_real
 }
 
 /* Quadratic program by the dual active set method.
- *
  * H:      Shape (k, k), symmetric and positive definite.
  * active: on return *count rows that bind, coded as the basis of a linear program.
- * u:      their multipliers, >= 0 in size: H x + g = sum_j s_j u_j a_j with s_j = 1 at a lower, -1 at an upper limit.
- */
+ * u:      their multipliers, >= 0 in size: H x + g = sum_j s_j u_j a_j with s_j = 1 at a lower, -1 at an upper limit. */
 static inline int mrts_qp(int k, int rows, const mrts_real *H, const mrts_real *A, const mrts_real *lower,
                           const mrts_real *upper, const mrts_real *g, mrts_real *x, int *active, mrts_real *u, int *count,
                           mrts_real *work, int *iwork) {
