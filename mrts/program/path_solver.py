@@ -285,11 +285,7 @@ class NoProfileError(Exception):
 
 
 def successive_steps(
-    program: SmoothProgram,
-    likely: Array,
-    goal: Goal,
-    solver: KernelSolver,
-    before: float = np.inf,
+    program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver, before: float = np.inf
 ) -> StepsTaken:
     """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
 
