@@ -19,11 +19,13 @@ from mrts_codegen.equations.dynamics import (
     angular_balance,
     bias_acceleration,
     chain_motion,
+    coriolis_torque,
     forward_kinematics,
     grasp_map,
     grasp_map_inverse,
     linear_balance,
     load_inertia,
+    mass_matrix,
     spin,
     transmitted_torques,
 )
@@ -66,6 +68,15 @@ def _geometric_stiffness_rate(sample: Sample) -> Named:
     along = sample.inputs["q"], sample.inputs["dq"]
     rate = ca.jtimes(ca.jtimes(ca.vertcat(*_torques_of_wrenches(sample)), *along), *along)
     return {"geometric_stiffness_rate": rate}
+
+
+def _dynamics(sample: Sample) -> Named:
+    arms = list(zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True))
+    return {
+        "mass_matrix": ca.diagcat(*(mass_matrix(model, q) for model, q, _ in arms)),
+        "coriolis_torque": ca.vertcat(*(coriolis_torque(*arm) for arm in arms)),
+        "gravity_torque": sample.terms_of_arms[2],
+    }
 
 
 def _terms(sample: Sample) -> Named:
@@ -197,6 +208,7 @@ BUILDERS: dict[str, tuple[Callable[[Sample], Named], tuple[str, ...]]] = {
     "bias_acceleration": (_bias_acceleration, ("q", "dq")),
     "geometric_stiffness": (_geometric_stiffness, ("q", "wrench")),
     "geometric_stiffness_rate": (_geometric_stiffness_rate, ("q", "dq", "wrench")),
+    "dynamics": (_dynamics, ("q", "dq")),
     "terms": (_terms, MOVING),
     "wrench_form": (wrench_form, MOVING),
     "torque_form": (torque_form, MOVING),

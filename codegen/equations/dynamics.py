@@ -176,6 +176,19 @@ def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Arra
     )
 
 
+def mass_matrix(robot: RobotModel, q: Any) -> Any:
+    """Mass matrix D(q), Shape (n, n) [kg m² for revolute pairs]: what the torque of an arm at rest is linear in."""
+    count = len(robot.joints)
+    acceleration = ca.SX.sym("ddq", count)
+    torque = inverse_dynamics(robot, q, ca.SX.zeros(count), acceleration, np.zeros(3))
+    return ca.densify(ca.jacobian(torque, acceleration))
+
+
+def coriolis_torque(robot: RobotModel, q: Any, dq: Any) -> Any:
+    """Coriolis and centrifugal torque q̇ C(q) q̇, Shape (n,) [N m or N]."""
+    return inverse_dynamics(robot, q, dq, ca.SX.zeros(len(robot.joints)), np.zeros(3))
+
+
 def load_inertia(load: Any) -> Any:
     """Inertia about the object frame's origin in its axes from a load vector, Shape (3, 3) [kg m²]."""
     ixx, iyy, izz, ixy, ixz, iyz = (load[LOAD_ENTRIES.index(name)] for name in LOAD_ENTRIES[4:])

@@ -40,7 +40,8 @@ GRAVITY_SIZE, ROBOT_SIZE = 3, 24
 rows, its position [m], and those of its tip in the object frame; then `held_numbers` of all (`mrts.Robot`)."""
 
 ALWAYS_GENERATED = (
-    *("kinematics", "bias_acceleration", "terms", "wrench_form", "fixed_distribution", "played_torques"),
+    *("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form"),
+    *("fixed_distribution", "played_torques"),
 )
 
 FOR_REDUNDANT_ARMS = ("geometric_stiffness", "geometric_stiffness_rate")

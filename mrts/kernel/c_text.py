@@ -27,7 +27,7 @@ SMOOTH_LEVEL = """#if defined(__GNUC__) && !defined(__clang__)
 """
 """Smooth timing takes a sixth longer with less, and is compiled once for all cells."""
 
-SELDOM = ("terms", "torque_form", "fixed_distribution", "played_torques")
+SELDOM = ("dynamics", "terms", "torque_form", "fixed_distribution", "played_torques")
 """Generated functions that few calls take: each is compiled by itself when one does."""
 
 IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")

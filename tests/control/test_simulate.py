@@ -67,11 +67,8 @@ def test_motors_follow_held_and_late_commands(lifted):
 
 def test_gains_are_of_the_inertia_with_the_others_held(lifted):
     plan = lifted.trajectory
-    nothing = {"dq": np.zeros(6), "load": np.zeros(10), "object_wrench": np.zeros(6)}
-    of_units = {"q": plan.q[0], "ddq": np.vstack([np.eye(6), np.zeros(6)]), **nothing}
-    torque = lifted.cell.functions("played_torques", 7, of_units)["torque"]
-    mass = np.diag(torque[:-1] - torque[-1])
-    given = 400.0 * mass, 40.0 * mass
+    mass = lifted.cell.functions("dynamics", 101, {"q": plan.q, "dq": plan.dq})["mass_matrix"][0]
+    given = 400.0 * np.diag(mass), 40.0 * np.diag(mass)
     ours, theirs = (
         mrts.simulate(lifted, controller).played.torque
         for controller in (mrts.Controller(), mrts.Controller(position_gain=given[0], velocity_gain=given[1]))
@@ -85,8 +82,8 @@ def test_work_of_the_motors_lifts_and_rubs(lifted):
     plan = mrts.scale(cell, mrts.load_motion(DATA / "planar_dual_arm" / "lift.yaml"))
     found = mrts.simulate(plan, PROMPT, mrts.PlantErrors(mass=0.1, friction_error=0.5))
     done = found.played
-    nothing = {"dq": np.zeros(6), "ddq": np.zeros(6), "load": np.zeros(10), "object_wrench": np.zeros(6)}
-    gravity = cell.functions("played_torques", len(done.time), {"q": done.q, **nothing})["torque"]
+    still = np.zeros_like(done.dq)
+    gravity = cell.functions("dynamics", len(done.time), {"q": done.q, "dq": still})["gravity_torque"]
     lifted_arms, work = np.trapezoid(gravity * done.dq, done.time, axis=0).sum(), done.energy
     height = (done.motion.object.position[-1] - done.motion.object.position[0]) @ -cell.gravity
     rubbed = np.trapezoid(1.5 * (np.abs(done.dq) + 2.0 * done.dq**2), done.time, axis=0).sum()
