@@ -43,19 +43,14 @@ def _caller(function: Any, result: Any, kinds: list[Any]) -> Callable[..., Any]:
     """
     function.restype = result
     function.argtypes = [ctypes.c_void_p if of is None or isinstance(of, np.dtype) else of for of in kinds]
+    read = [(place, of) for place, of in enumerate(kinds) if isinstance(of, np.dtype)]
 
     def call(*given: Any) -> Any:
-        arrays = [
-            np.ascontiguousarray(value, dtype=of) if isinstance(of, np.dtype) and isinstance(value, ARRAYS) else value
-            for value, of in zip(given, kinds, strict=True)
-        ]
-        places = [
-            ctypes.byref(value)
-            if isinstance(value, ctypes.Structure)
-            else (pointer_to(value) if isinstance(value, np.ndarray) else value)
-            for value in arrays
-        ]
-        return function(*places)
+        kept = list(given)
+        for place, of in read:
+            if isinstance(kept[place], ARRAYS):
+                kept[place] = np.ascontiguousarray(kept[place], dtype=of)
+        return function(*[pointer_to(value) if isinstance(value, np.ndarray) else value for value in kept])
 
     return call
 
@@ -85,6 +80,10 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
     return found
 
 
+AS_POINTER = {"_as_parameter_": property(ctypes.addressof)}
+"""What makes structures pass for pointers to them."""
+
+
 @cache
 def structure(file: str, name: str, **sizes: int) -> Any:
     """The class of a structure that a file of mrts/kernel/c defines or includes; pointers are addresses.
@@ -105,7 +104,7 @@ def structure(file: str, name: str, **sizes: int) -> Any:
             fields.append((field, of))
             if stars and kind in NUMBERS:
                 arrays[field] = np.dtype(NUMBERS[kind])
-    return type(name, (ctypes.Structure,), {"_fields_": fields, "arrays": arrays})
+    return type(name, (ctypes.Structure,), {"_fields_": fields, "arrays": arrays, **AS_POINTER})
 
 
 def filled(kind: Any, **values: Any) -> Any:
