@@ -254,7 +254,7 @@ def ends_by_linear_programs(problem: SampleProblem, *, alone: bool = False) -> R
     dual[:, 0, rows], dual[:, 1, rows] = least.dual[:, :-unknowns], largest.dual[:, :-unknowns]
     dual[free, 1], dual[:, 0, -1] = 0.0, -np.abs(least.dual[:, -1])
     ends["lower"] = np.maximum(least.x[:, -1], 0.0) * unit
-    ends["upper"] = np.where(free, np.inf, largest.x[:, -1] * unit)
+    ends["upper"] = np.where(free, np.inf, np.maximum(largest.x[:, -1], 0.0) * unit)
     ends["status"] = np.where(least.verified & largest.verified, OPTIMAL, MARGINAL)
     ends["duals"] = np.where(_binding(dual), dual, 0.0)
     return ends

@@ -11,6 +11,7 @@ from given_ranges import ranges_of
 from shipped_cells import still_motion
 
 import mrts
+from mrts.limits.rows import LimitRows, RowName
 from mrts.program.infeasibility import separation
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
@@ -98,6 +99,19 @@ def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
     assert result.status is mrts.ScalingStatus.UNBOUNDED
     assert result.trajectory.c2 == 1.0
     assert result.to_json()["c2"] == {"lower": 0.0, "upper": None}
+
+
+@pytest.mark.parametrize("options", [{}, {"formulation": "torque"}, {"solver": "qpsol:qpoases"}])
+def test_where_nothing_may_move_the_range_is_standing_still(planar_cell, lift, options):
+    def held(cell, motion):
+        names, nothing, none = [RowName("hold", "left")], np.zeros(1), np.zeros((1, cell.library.joints))
+        matrices = {"torque_matrix": none, "wrench_matrix": none}
+        speed = np.linalg.norm(motion.object.twist, axis=1)[:, None]
+        return LimitRows(names=names, lower=nothing, upper=nothing, **matrices, speed=speed)
+
+    with pytest.raises(mrts.SelectionError, match="only hold still") as caught:
+        mrts.scale(planar_cell, lift, limits=[held], **options)
+    assert (caught.value.result.range.lower.c2, caught.value.result.range.upper.c2) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("c2", [3.1, 0.0, -1.0, float("nan"), float("inf"), 10**400])
