@@ -673,7 +673,10 @@ def torques_for_load(result: ScalingResult, load: Array) -> ScalingResult:
     of_load = replace(options, load="nominal", between=None, rates=None)
     own, rows, _ = admissible_range(cell, result.motion, of_load)
     if own.admitted(c2, END_TOLERANCE) is None:
-        raise SelectionError(f"c² = {c2:g} does not suit this load: {own.sentence()}", own)
+        why = own.sentence()
+        if own.status.admits_motion:
+            why = f"{kept_text(cell.reserve)}c² ∈ {own.range.text(digits=6)}{_passed(own, c2)}"
+        raise SelectionError(f"c² = {c2:g} does not suit this load: {why}", own)
     # what is overstepped between the samples is convex in the load: of a box the corners tell it
     excess = result.excess if options.load == "guaranteed" else None
     try:
