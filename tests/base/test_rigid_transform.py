@@ -10,7 +10,6 @@ from mrts.base.formats.record import Pose
 from mrts.base.load_box import load_vector
 from mrts.base.rigid_transform import (
     RigidTransform,
-    angles_of_rotations,
     in_one_place,
     is_rotation,
     quaternions_from_rotations,
@@ -109,7 +108,6 @@ def test_rotation_vectors_are_those_of_scipy_and_come_back(angle):
     if angle <= 3.0:  # at half a turn both axes are right
         np.testing.assert_allclose(back, vectors, rtol=0, atol=ROUNDING)
     np.testing.assert_allclose(rotations_from_vectors(back), R, rtol=0, atol=2 * ROUNDING)
-    np.testing.assert_allclose(angles_of_rotations(R), angle, rtol=0, atol=ROUNDING)
 
 
 def test_quaternions_are_those_of_scipy_whatever_their_largest_entry_length_and_shape():
