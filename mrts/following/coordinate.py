@@ -43,7 +43,7 @@ COARSE_SLIPS = (0.1, 0.5)
 ROUGH = 1.0
 """Typical slip of accelerations from positions, relative to the typical acceleration: from here on they are noise."""
 
-TIGHT_GAP, TIGHT_SLIP = 1e-9, 1e-8
+TIGHT = 1e-9, 1e-9, 1e-8
 """Gap [m, rad] and relative slip that are rounding: a slip of 1e-5 is felt in the jerk between close samples."""
 
 SILENT_GAP = 1e-6
@@ -194,7 +194,7 @@ def close_chain(
         MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
     """
     as_given = min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle), GIVEN_SLIP
-    held, closed = _held(cell, given, as_given, (TIGHT_GAP, TIGHT_GAP, TIGHT_SLIP))
+    held, closed = holds(cell, given, as_given, TIGHT)
     if held:
         return given if closed else changed(given, closed=False)
     source = None
@@ -237,7 +237,7 @@ def close_chain(
     return CoordinatedMotion(target, q, dq, ddq, remarks, course=given.course, checked=False)
 
 
-def _held(cell: Cell, given: CoordinatedMotion, *bounds: tuple[float, float, float]) -> list[bool]:
+def holds(cell: Cell, given: CoordinatedMotion, *bounds: tuple[float, float, float]) -> list[bool]:
     """Whether joints hold every grasp along a motion, within each of some bounds.
 
     They are a distance [m], an angle [rad], and a share of the largest velocity, or acceleration, of a tip by which it

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, changed
 from mrts.base.errors import MotionError, Remark
 from mrts.cell.cell import Cell
-from mrts.following.coordinate import mean_object
+from mrts.following.coordinate import TIGHT, holds, mean_object
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
 from mrts.following.tracking import joints_on_grasps
 from mrts.kernel.tracking import PATH
@@ -66,13 +66,15 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
     travel = _travel(motion, dq, [0, -1])
     carried = [] if known else carried_by_each(cell, at, q, dq, ddq)
     target = known or carried[0]
-    if motion.closed and len(carried) != 1:  # one hand carries the object wherever it is
-        target = known or mean_object(carried)
-        try:
-            q, dq, ddq = joints_on_grasps(cell, target, q, dq, ddq)
-        except MotionError as error:
-            raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
-    return CoordinatedMotion(target, q, dq, ddq, travel=travel, closed=motion.closed, checked=False)
+    rough = CoordinatedMotion(target, q, dq, ddq, travel=travel, closed=motion.closed, checked=False)
+    if not motion.closed or len(carried) == 1 or all(holds(cell, rough, TIGHT)):
+        return rough  # one hand carries the object wherever it is; near singularities, rounding would be made large
+    target = known or mean_object(carried)
+    try:
+        q, dq, ddq = joints_on_grasps(cell, target, q, dq, ddq)
+    except MotionError as error:
+        raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
+    return CoordinatedMotion(target, q, dq, ddq, travel=travel, checked=False)
 
 
 def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[np.intp]) -> CoordinatedMotion:

@@ -6,13 +6,15 @@ from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import UR5
 from motion_tables import columns_of, perturbed, write_table
 from scipy.interpolate import CubicSpline
+from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.base.arrays import apply
 from mrts.base.manifest import GEOMETRY
 from mrts.cli import main
-from mrts.following.coordinate import grasp_gaps, tip_rates
-from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each
+from mrts.following.coordinate import coordinate, grasp_gaps, tip_rates
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, carried_by_first
+from mrts.following.denser_motion import between_samples
 from mrts.following.tracking import CONDITION_LIMIT, check_regular, nearest_rates
 from mrts.kernel.tracking import closure_sizes
 
@@ -148,3 +150,20 @@ def test_the_bound_on_the_gap_is_an_option(tmp_path, dual_ur5, exact, capsys):
         assert words in capsys.readouterr().err
     with pytest.raises(mrts.InputError, match=r"closure.*ClosureBound"):
         mrts.scale(dual_ur5, mrts.load_motion(path), closure=0.02)
+
+
+def test_rounding_stays_rounding_where_arms_are_stretched_between_samples(tmp_path):
+    """Two arms side by side turn their elbows through zero: on the grasps, 1e-10 rad would be a large acceleration."""
+    keys = shipped()
+    left, right = keys["robots"]
+    for pose in ("base", "grasp"):
+        x, *others = left[pose]["xyz"]
+        right[pose] = {"xyz": [x + 0.5, *others]}
+    cell = mrts.load_cell(cell_file(tmp_path, keys))
+    time = np.linspace(0, 1, 3)
+    rate, none = np.tile([0.3, 0.5, -0.8], (3, 2)), np.zeros((3, 6))
+    q = np.tile([0.6, -0.125, -0.475], 2) + time[:, None] * rate
+    carried = carried_by_first(cell, time, q, rate, none).object
+    given = CoordinatedMotion(carried, q + 1e-10 * np.eye(6)[3], rate, none)
+    between = between_samples(cell, coordinate(cell, given), np.array([0.2, 0.25]))
+    np.testing.assert_allclose(between.ddq, 0, atol=1e-6)
