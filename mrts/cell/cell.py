@@ -69,6 +69,8 @@ class Cell(InNotebooks, CellRecord):
     folder: Path | None = None
 
     def __post_init__(self) -> None:
+        if self.plane != self.generated.manifest.cell.plane:  # first: the sizes of hands are told by it
+            raise InputError("cell", IN_CHAINS, key="plane")
         super().__post_init__()
         _check_changes(self)
 

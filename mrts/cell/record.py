@@ -219,8 +219,8 @@ OF_CHAINS = ("joints", "joint_types", "axes", "points", "held", "held_numbers", 
 def other_functions(one: CellRecord, other: CellRecord) -> str:
     """What makes the generated functions of two cells differ, the first of it; empty if they are the same."""
     pairs: list[tuple[str, Any, Any]]
-    pairs = [(name, getattr(one, name), getattr(other, name)) for name in ("plane", "name", "machines")]
-    pairs.append(("robots", [robot.name for robot in one.robots], [robot.name for robot in other.robots]))
+    pairs = [("robots", [robot.name for robot in one.robots], [robot.name for robot in other.robots])]
+    pairs += [(name, getattr(one, name), getattr(other, name)) for name in ("plane", "name", "machines")]
     for ours, theirs in zip(one.robots, other.robots, strict=False):
         if ours is not theirs:
             where = f"robot '{ours.name}'"

@@ -27,7 +27,7 @@ def c2(cell, lift):
 
 
 OF_CHAINS = {
-    "plane": lambda cell: replace(cell, plane="xz"),
+    "plane": lambda cell: replace(cell, plane=None),  # of six components, as its hands are not
     "name": lambda cell: replace(cell, name="other"),
     "robots": lambda cell: replace(cell, robots=cell.robots[::-1]),
     "robot 'left' T_base_tip": lambda cell: with_left(cell, T_base_tip=moved(cell.robots[0].T_base_tip)),
