@@ -155,6 +155,10 @@ def build_robot(
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)
     urdf = parse_urdf(urdf_path, content)
     components = PLANE_COMPONENTS[plane]
+    for name in ("base_link", "tip_link"):
+        if (link := getattr(robot, name)) is not None and link not in urdf.links:
+            known = f"{did_you_mean(link, urdf.links)} Its links are: {', '.join(urdf.links)}."
+            raise InputError(path, f"there is no such link in {urdf_path.name}{known}", key=f"{key}.{name}", value=link)
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
     model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held, lenient=lenient)
     sha256 = hashlib.sha256(content).hexdigest()

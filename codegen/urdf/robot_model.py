@@ -351,10 +351,6 @@ def _check_kind(path: Path, joint: UrdfJoint, *, moves: bool) -> None:
 
 
 def _chain(path: Path, urdf: Urdf, base_link: str, tip_link: str) -> list[UrdfJoint]:
-    for key, name in (("base_link", base_link), ("tip_link", tip_link)):
-        if name not in urdf.links:
-            rule = f"there is no such link. Its links are: {', '.join(urdf.links)}."
-            raise InputError(path, rule, key=key, value=name)
     joints = urdf.joints_to(tip_link)
     place = [tip_link, *(joint.parent for joint in reversed(joints))]
     if base_link not in place:
