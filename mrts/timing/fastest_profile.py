@@ -22,9 +22,6 @@ FARTHEST = 1e3
 NO_DIRECTION = 1e-12
 """A principal direction of the free unknowns that moves rows by less than this share of the first moves none."""
 
-PROBES = 5
-"""Samples whose accelerations are looked at, to learn how fast the path may become."""
-
 
 @dataclass(frozen=True)
 class SpeedRegions:
