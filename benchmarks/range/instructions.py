@@ -27,7 +27,7 @@ COUNTED = ("mrts_ranges", "mrts_torques", "mrts_lp", "mrts_qp")
 
 def samples_file(path: Path, cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> None:
     """Write what c/instructions.c reads."""
-    limits = limit_rows(cell, motion)
+    limits = limit_rows(cell, motion).limits
     matrix = np.hstack([limits.torque_matrix, limits.wrench_matrix])
     row, column = np.nonzero(matrix)
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(matrix)))])

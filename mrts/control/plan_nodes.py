@@ -290,9 +290,9 @@ def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
     """
     cell, motion, count = plan.cell, plan.motion, plan.motion.samples
     rows = motion_rows(cell, motion, plan.options.sharing)
-    dry = (
-        np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.given.torque_matrix.T / rows.given.units
-    )
+    limits, dry = rows.given.limits, np.zeros((count, 1))
+    if rows.motors is not None:
+        dry = rows.motors.dry @ limits.torque_matrix.T / limits.units
     most, none = plan.most, np.zeros(count)
     of_loads = []
     for load in (cell.load, *(load for load in plan.loads if not np.array_equal(load, cell.load))):

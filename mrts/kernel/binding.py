@@ -29,10 +29,8 @@ HEAD = object.__basicsize__
 
 ARRAYS = (np.ndarray, list)
 
-
-def pointer_to(array: NDArray[Any]) -> ctypes.c_void_p:
-    """To the numbers of an array that somebody keeps alive."""
-    return ctypes.c_void_p.from_address(id(array) + HEAD)
+POINTER = ctypes.c_void_p.from_address
+"""`POINTER(id(array) + HEAD)` points to the numbers of an array that somebody keeps alive."""
 
 
 def _caller(function: Any, result: Any, kinds: list[Any]) -> Callable[..., Any]:
@@ -50,7 +48,7 @@ def _caller(function: Any, result: Any, kinds: list[Any]) -> Callable[..., Any]:
         for place, of in read:
             if isinstance(kept[place], ARRAYS):
                 kept[place] = np.ascontiguousarray(kept[place], dtype=of)
-        return function(*[pointer_to(value) if isinstance(value, np.ndarray) else value for value in kept])
+        return function(*[POINTER(id(value) + HEAD) if isinstance(value, np.ndarray) else value for value in kept])
 
     return call
 
@@ -113,7 +111,7 @@ def filled(kind: Any, **values: Any) -> Any:
     for name, of in kind.arrays.items():
         if values.get(name) is not None:
             kept.append(np.ascontiguousarray(values[name], dtype=of))
-            numbers[name] = pointer_to(kept[-1])
+            numbers[name] = POINTER(id(kept[-1]) + HEAD)
     made = kind(**numbers)
     made.kept = values, kept
     return made

@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.binding import keep_freed_memory, pointer_to
+from mrts.kernel.binding import HEAD, POINTER, keep_freed_memory
 from mrts.kernel.c_text import SELDOM
 
 
@@ -90,6 +90,6 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
 
 def pointers(arrays: Collection[Array]) -> Any:
     """An array of pointers to arrays, which it keeps alive."""
-    found: Any = (ctypes.c_void_p * len(arrays))(*map(pointer_to, arrays))
+    found: Any = (ctypes.c_void_p * len(arrays))(*[POINTER(id(array) + HEAD) for array in arrays])
     found.kept = arrays
     return found

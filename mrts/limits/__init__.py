@@ -6,15 +6,12 @@ May import base to following. Start at `cell_limits.py`.
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
-from typing import Any
 
-from mrts.base.arrays import freeze
-from mrts.cell.cell import KNOWN_CELLS, Cell
+from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_limits as of_cell
 from mrts.limits import motion_limits as of_motion
-from mrts.limits.rows import LimitRows, checked_rows, kernel_limits, stack_rows
+from mrts.limits.rows import LimitRows, checked_rows, shrunk, stack_rows
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 """The rows of a limit along a motion; one of your own: docs/extending.md."""
@@ -26,20 +23,15 @@ CELL_LIMITS: tuple[Callable[[Cell, CoordinatedMotion], LimitRows | None], ...] =
 )
 """Those of the cell file, None where it gives none; `Cell.limits` are there beside them."""
 
-FIXED = 2
-"""The first of them are the same along any motion."""
 
-
-def rows_by_limit(
-    cell: Cell, motion: CoordinatedMotion, first: int = 0
-) -> list[tuple[Callable[..., object], LimitRows]]:
-    """The rows of each limit that a cell has, but for the first few.
+def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[tuple[Callable[..., object], LimitRows]]:
+    """The rows of each limit that a cell has.
 
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion; it names the limit.
     """
     found: list[tuple[Callable[..., object], LimitRows]] = []
-    for limit in (*CELL_LIMITS[first:], *cell.limits):
+    for limit in (*CELL_LIMITS, *cell.limits):
         rows = checked_rows(limit, cell, motion) if limit in cell.limits else limit(cell, motion)
         if rows is not None:
             found.append((limit, rows))
@@ -54,23 +46,8 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows, others = fixed_rows(cell), [rows.bounded() for _, rows in rows_by_limit(cell, motion, FIXED)]
-    rows = stack_rows([rows, *others]) if others else rows
-    return rows.shrunk(cell.reserve) if cell.reserve else rows
-
-
-@lru_cache(maxsize=KNOWN_CELLS)
-def fixed_rows(cell: Cell) -> LimitRows:
-    """The first rows of `limit_rows`, the same along any motion, but for a reserve."""
-    rows = stack_rows([of_cell.torque_limits(cell), of_cell.wrench_limits(cell)]).bounded()
-    freeze(rows)
-    return rows
-
-
-@lru_cache(maxsize=KNOWN_CELLS)
-def fixed_limits(cell: Cell) -> Any:
-    """`fixed_rows` as C reads them."""
-    return kernel_limits(cell, fixed_rows(cell))
+    rows = stack_rows([rows.bounded() for _, rows in rows_by_limit(cell, motion)])
+    return replace(rows, limits=shrunk(rows.limits, cell.reserve)) if cell.reserve else rows
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

@@ -1,37 +1,64 @@
 # SPDX-License-Identifier: MIT
 """The limits of a cell file: torques, wrenches, what hands can exert, velocities, torque-speed curves."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, freeze
+from mrts.base.arrays import Array
 from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.cell.hands import in_object_axes
 from mrts.cell.robot import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, joint_rows, object_axes, row_names, wrench_rows
+from mrts.limits.rows import (
+    TORQUE_SPEED,
+    LimitRows,
+    RowLimits,
+    RowName,
+    joint_rows,
+    object_axes,
+    row_names,
+    wrench_rows,
+)
 
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
-    names, sides = joint_rows(cell, "torque", "torque_units"), map(cell.stacked, ("torque_lower", "torque_upper"))
-    return LimitRows.of(cell, names, *sides, torque_matrix=np.eye(len(names)))
+    return LimitRows(limits=_torque_sides(cell))
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def _torque_sides(cell: Cell) -> RowLimits:
+    names, (lower, upper) = (
+        joint_rows(cell, "torque", "torque_units"),
+        map(cell.stacked, ("torque_lower", "torque_upper")),
+    )
+    return RowLimits.of(cell, names, lower, upper, torque_matrix=np.eye(len(names)))
 
 
 def wrench_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
-    names, sides = wrench_rows(cell, "wrench"), map(cell.stacked, ("wrench_lower", "wrench_upper"))
-    return LimitRows.of(cell, names, *sides, wrench_matrix=np.eye(len(names)))
+    return LimitRows(limits=_wrench_sides(cell))
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def _wrench_sides(cell: Cell) -> RowLimits:
+    names, (lower, upper) = wrench_rows(cell, "wrench"), map(cell.stacked, ("wrench_lower", "wrench_upper"))
+    return RowLimits.of(cell, names, lower, upper, wrench_matrix=np.eye(len(names)))
 
 
 def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """Rows lower <= A F_i <= upper of every contact of every robot, in base axes or in those of the object."""
-    contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
-    if not contacts:
+    if not any(robot.contacts for robot in cell.robots):
         return None
+    limits = _contact_sides(cell)
+    return LimitRows(limits=limits, object_axes=None if limits.object_matrix is None else object_axes(cell, motion))
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def _contact_sides(cell: Cell) -> RowLimits:
+    contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
     names = tuple(
         RowName("contact", robot.name, f"{contact.name} {row}", unit)
         for robot, contact in contacts
@@ -48,8 +75,8 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
             in_object[rows] = in_object_axes(contact.A, turn, cell.wrench_components)
         start += len(contact.rows)
     lower, upper = (np.concatenate([getattr(contact, side) for _, contact in contacts]) for side in ("lower", "upper"))
-    turns = {"object_matrix": in_object, "object_axes": object_axes(cell, motion)} if np.any(in_object) else {}
-    return LimitRows.of(cell, names, lower, upper, wrench_matrix=in_base, **turns)
+    turned = in_object if np.any(in_object) else None
+    return RowLimits.of(cell, names, lower, upper, wrench_matrix=in_base, object_matrix=turned)
 
 
 def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
@@ -61,18 +88,16 @@ def velocity_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity."""
     x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
     speed = np.concatenate([motion.dq, np.sqrt(x**2 + y**2 + z**2)], axis=1)
-    return replace(_velocity_sides(cell), speed=speed)
+    return LimitRows(limits=_velocity_sides(cell), speed=speed)
 
 
 @lru_cache(maxsize=KNOWN_CELLS)
-def _velocity_sides(cell: Cell) -> LimitRows:
+def _velocity_sides(cell: Cell) -> RowLimits:
     names = joint_rows(cell, "velocity", "position_units", "/s")
     of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
     limit = np.append(cell.stacked("velocity_limit"), cell.object_velocity_limit)
     least = np.append(-limit[:-2], [-np.inf, -np.inf])  # the object's are sizes
-    rows = LimitRows.of(cell, names + of_object, least, limit)
-    freeze(rows)
-    return rows
+    return RowLimits.of(cell, names + of_object, least, limit, ["speed"])
 
 
 @lru_cache(maxsize=KNOWN_CELLS)
@@ -100,10 +125,14 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     A line holds while the motor drives, where τ and q̇ have one sign: -a <= τ + m q' ṙ <= a. Where it brakes that
     leaves more than the plain limit of the torque, which is a limit of its own.
     """
-    names, joint, limit, slope = curve_rows(cell)
-    if not names:
+    _, joint, _, slope = curve_rows(cell)
+    if not len(joint):
         return None
-    of_torque = np.isfinite(slope)
-    matrix = of_torque[:, None] * np.eye(motion.q.shape[1])[joint]
-    speed = np.where(of_torque, slope, 1.0) * motion.dq[:, joint]
-    return LimitRows.of(cell, names, -limit, limit, torque_matrix=matrix, speed=speed)
+    return LimitRows(limits=_curve_sides(cell), speed=np.where(np.isfinite(slope), slope, 1.0) * motion.dq[:, joint])
+
+
+@lru_cache(maxsize=KNOWN_CELLS)
+def _curve_sides(cell: Cell) -> RowLimits:
+    names, joint, limit, slope = curve_rows(cell)
+    matrix = np.isfinite(slope)[:, None] * np.eye(len(cell.joint_names))[joint]
+    return RowLimits.of(cell, names, -limit, limit, ["speed"], torque_matrix=matrix)

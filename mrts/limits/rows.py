@@ -4,17 +4,17 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from itertools import chain, compress
+from itertools import chain
 from operator import attrgetter
 from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, with_part
+from mrts.base.arrays import Array, freeze, with_part
 from mrts.base.errors import InputError
 from mrts.base.words import first_names
-from mrts.cell.cell import Cell
+from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.binding import INFINITY, filled, structure
@@ -82,6 +82,9 @@ COLUMNS = ("rate", "speed", "square", "offset")
 GIVEN = ("lower", "upper", "torque_matrix", "wrench_matrix")
 OF_ROWS = (*GIVEN, "object_matrix", "size")
 """Attributes with an entry for each row, which are always given, and all."""
+
+KNOWN_LIMITS = 4 * KNOWN_CELLS
+"""Limits of which what follows from them is kept: those of a cell, their bounded ones, and those that are no caps."""
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -267,12 +270,9 @@ def turned(object_axes: Array, wrench: Array) -> Array:
     return found.reshape(wrench.shape)
 
 
-@dataclass(frozen=True, kw_only=True)
-class LimitRows:
-    """r rows lower <= M_τ τ + M_F F + M_H H + a r̈ + b ṙ + e ṙ² + g <= upper of a motion of N samples, played with r(t).
-
-    τ are all torques, Shape (m,), F all wrenches in base axes and H the same wrenches in object axes, Shape (n w,). A
-    constant factor c is ṙ = c, r̈ = 0. The columns of the speed, g, and M_H are None where no row has such a term.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RowLimits:
+    """What of r rows is the same at every sample, and mostly along any motion of a cell; see `LimitRows`.
 
     Attributes:
         names: One a row.
@@ -280,12 +280,8 @@ class LimitRows:
         upper: Shape (r,), infinity where unbounded.
         torque_matrix: M_τ, Shape (r, m).
         wrench_matrix: M_F, Shape (r, n w).
-        object_matrix: M_H, Shape (r, n w).
-        object_axes: What turns F into H (`mrts.limits.rows.object_axes`), Shape (N, n, 3, 3); there if M_H is.
-        rate: a, Shape (N, r).
-        speed: b, Shape (N, r).
-        square: e, Shape (N, r).
-        offset: g, such as what gravity does to a thing on the object, Shape (N, r).
+        object_matrix: M_H, Shape (r, n w); None where no row has such a term.
+        terms: Which rows have a term in each of `COLUMNS`, Shape (4, r).
         size: What 100 % of each limit is, Shape (r,), where its sides do not tell: of limits that a reserve moved.
     """
 
@@ -295,21 +291,18 @@ class LimitRows:
     torque_matrix: Array
     wrench_matrix: Array
     object_matrix: Array | None = None
-    object_axes: Array | None = None
-    rate: Array | None = None
-    speed: Array | None = None
-    square: Array | None = None
-    offset: Array | None = None
+    terms: NDArray[np.bool_]
     size: Array | None = None
 
     @classmethod
-    def of(cls, cell: Cell, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
-        """Rows of a cell, with zeros for the matrices that are not given; `terms` are the other attributes."""
-        matrices = {
-            "torque_matrix": np.zeros((len(names), len(cell.joint_names))),
-            "wrench_matrix": np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
-        }
-        return cls(names=tuple(names), lower=lower, upper=upper, **matrices | terms)
+    def of(
+        cls, cell: Cell, names: Sequence[RowName], lower: Array, upper: Array, columns: Iterable[str] = (), **given: Any
+    ) -> Self:
+        """Limits of a cell whose rows all have terms in some columns, with zeros for matrices that are not `given`."""
+        count, terms = len(names), np.isin(COLUMNS, [*columns])[:, None].repeat(len(names), axis=1)
+        given.setdefault("torque_matrix", np.zeros((count, len(cell.joint_names))))
+        given.setdefault("wrench_matrix", np.zeros((count, len(cell.robots) * len(cell.wrench_components))))
+        return cls(names=tuple(names), lower=lower, upper=upper, terms=terms, **given)
 
     @cached_property
     def units(self) -> Array:
@@ -326,27 +319,168 @@ class LimitRows:
             size[zeros] = [largest[self.names[row].group] or 1.0 for row in zeros.tolist()]
         return np.asarray(size, dtype=np.float64)
 
+    @cached_property
+    def columns(self) -> list[str]:
+        """Those of `COLUMNS` in which some row has a term."""
+        return [name for name, terms in zip(COLUMNS, self.terms, strict=True) if terms.any()]
+
+    @cached_property
+    def is_of_speed(self) -> NDArray[np.bool_]:
+        """Rows that nothing but the speed moves, Shape (r,)."""
+        rate, _, _, offset = self.terms
+        return np.asarray(~(self.matrix.any(axis=1) | rate | offset))
+
+    @cached_property
+    def in_squares(self) -> NDArray[np.intp]:
+        """Places of the s rows with no term but b ṙ or e ṙ², which bound ṙ², Shape (s,)."""
+        _, speed, square, _ = self.terms
+        return np.flatnonzero(self.is_of_speed & (speed != square))
+
+    @cached_property
+    def by_speed(self) -> NDArray[np.bool_]:
+        """Which of these s have the term b ṙ, Shape (s,)."""
+        return np.asarray(self.terms[1, self.in_squares])
+
+    @cached_property
+    def squared(self) -> "RowLimits":
+        """The same with the rows b ṙ as b |b| ṙ² between l |l| and u |u|, in units of their limits.
+
+        ṙ >= 0, and squares with their sign keep the order. Where the speed is limited alike in both directions that is
+        b² ṙ² <= u².
+        """
+        rows, terms = self.in_squares[self.by_speed], self.terms.copy()
+        lower, upper = self.lower.copy(), self.upper.copy()
+        least, most, size = lower[rows], upper[rows], self.units[rows]
+        lower[rows] = np.where(least == -most, -np.inf, least * np.abs(least) / size)
+        upper[rows] = most * np.abs(most) / size
+        terms[1, rows], terms[2, rows] = False, True
+        return replace(self, lower=lower, upper=upper, terms=terms)
+
+    @cached_property
+    def is_bounded(self) -> NDArray[np.bool_]:
+        """Rows that have a limit on some side, Shape (r,)."""
+        return np.asarray(np.isfinite(self.lower) | np.isfinite(self.upper))
+
+    @cached_property
+    def crosses(self) -> bool:
+        """Whether a lower limit lies above its upper one: such a row admits nothing."""
+        return bool((self.lower > self.upper).any())
+
+    @cached_property
+    def matrix(self) -> Array:
+        """M_τ, M_F and, if there is one, M_H beside each other, Shape (r, m + n w) or (r, m + 2 n w)."""
+        blocks = (self.torque_matrix, self.wrench_matrix)
+        return np.hstack(blocks if self.object_matrix is None else (*blocks, self.object_matrix))
+
+    @property
+    def in_object_axes(self) -> Array:
+        """M_H, zeros where there is none, Shape (r, n w)."""
+        return np.zeros_like(self.wrench_matrix) if self.object_matrix is None else self.object_matrix
+
+    @property
+    def groups(self) -> list[int]:
+        """Number of each row's `RowName.group`, from 0."""
+        known: dict[str, int] = {}
+        return [known.setdefault(name.group, len(known)) for name in self.names]
+
     def side_sizes(self) -> tuple[Array, Array]:
         """What 100 % of the lower and of the upper side is, each Shape (r,): its own size; of a zero, `units`."""
         return side_size(self.lower, self.units), side_size(self.upper, self.units)
 
-    def shrunk(self, reserve: float) -> "LimitRows":
-        """The same rows with each side moved inward by a share of its size; where both are one number, it stays.
 
-        Sides that are closer than that cross: such rows admit nothing.
-        """
-        low, high = self.side_sizes()
-        moves = reserve * (self.lower < self.upper)
-        return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high, size=self.units)
+@lru_cache(maxsize=KNOWN_LIMITS)
+def shrunk(limits: RowLimits, reserve: float) -> RowLimits:
+    """The same limits with each side moved inward by a share of its size; where both are one number, it stays.
+
+    Sides that are closer than that cross: such rows admit nothing.
+    """
+    low, high = limits.side_sizes()
+    moves = reserve * (limits.lower < limits.upper)
+    return replace(limits, lower=limits.lower + moves * low, upper=limits.upper - moves * high, size=limits.units)
+
+
+@lru_cache(maxsize=KNOWN_LIMITS)
+def _some(limits: RowLimits, kept: bytes) -> RowLimits:
+    places = np.frombuffer(kept, dtype=bool).nonzero()[0]
+    names, terms = tuple(limits.names[place] for place in places.tolist()), limits.terms[:, places]
+    some = with_part(limits, OF_ROWS, places, names=names, terms=terms)
+    freeze(some)
+    return some
+
+
+@lru_cache(maxsize=KNOWN_LIMITS)
+def _stacked(given: tuple[RowLimits, ...]) -> RowLimits:
+    def joined(name: str) -> Array:
+        return np.concatenate([*map(attrgetter(name), given)])
+
+    limits = RowLimits(
+        names=tuple(chain.from_iterable(map(attrgetter("names"), given))),
+        **{name: joined(name) for name in GIVEN},
+        object_matrix=None if all(of.object_matrix is None for of in given) else joined("in_object_axes"),
+        terms=np.concatenate([of.terms for of in given], axis=1),
+        size=None if all(of.size is None for of in given) else joined("units"),
+    )
+    freeze(limits)
+    return limits
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitRows:
+    """r rows lower <= M_τ τ + M_F F + M_H H + a r̈ + b ṙ + e ṙ² + g <= upper of a motion of N samples, played with r(t).
+
+    τ are all torques, Shape (m,), F all wrenches in base axes and H the same wrenches in object axes, Shape (n w,). A
+    constant factor c is ṙ = c, r̈ = 0. The columns of the speed, and g, are None where no row has such a term.
+
+    Attributes:
+        limits: Their names, limits and matrices.
+        object_axes: What turns F into H (`mrts.limits.rows.object_axes`), Shape (N, n, 3, 3); there if M_H is.
+        rate: a, Shape (N, r).
+        speed: b, Shape (N, r).
+        square: e, Shape (N, r).
+        offset: g, such as what gravity does to a thing on the object, Shape (N, r).
+    """
+
+    limits: RowLimits
+    object_axes: Array | None = None
+    rate: Array | None = None
+    speed: Array | None = None
+    square: Array | None = None
+    offset: Array | None = None
+
+    @classmethod
+    def of(cls, cell: Cell, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
+        """Rows of a cell, with zeros for the matrices that are not given; `terms` are these, and attributes as here."""
+        own = {name: terms.pop(name) for name in (*COLUMNS, "object_axes") if name in terms}
+        return cls(limits=RowLimits.of(cell, names, lower, upper, own, **terms), **own)
+
+    @property
+    def names(self) -> tuple[RowName, ...]:
+        """One a row."""
+        return self.limits.names
+
+    @property
+    def lower(self) -> Array:
+        """Shape (r,), minus infinity where unbounded."""
+        return self.limits.lower
+
+    @property
+    def upper(self) -> Array:
+        """Shape (r,), infinity where unbounded."""
+        return self.limits.upper
+
+    @property
+    def units(self) -> Array:
+        """As in `RowLimits`."""
+        return self.limits.units
 
     def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
         """What each row is of its quantity at all samples, Shape (N, r), of τ, Shape (N, m), and F, (N, n w).
 
         r̈ and ṙ are one for all samples, or Shape (N,).
         """
-        value: Array = torque @ self.torque_matrix.T + wrench @ self.wrench_matrix.T
-        if self.object_matrix is not None and self.object_axes is not None:
-            value += turned(self.object_axes, wrench) @ self.object_matrix.T
+        value: Array = torque @ self.limits.torque_matrix.T + wrench @ self.limits.wrench_matrix.T
+        if self.limits.object_matrix is not None and self.object_axes is not None:
+            value += turned(self.object_axes, wrench) @ self.limits.object_matrix.T
         speeds = np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1))
         rates = np.reshape(np.asarray(rate, dtype=np.float64), (-1, 1))
         for column, factor in ((self.rate, rates), (self.speed, speeds), (self.square, speeds**2)):
@@ -356,7 +490,7 @@ class LimitRows:
 
     def share(self, value: Array) -> Array:
         """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides."""
-        (above, below), (low, high) = self._beyond(value), self.side_sizes()
+        (above, below), (low, high) = self._beyond(value), self.limits.side_sizes()
         return np.asarray(1 + np.maximum(above / high, below / low), dtype=np.float64)
 
     def excess(self, value: Array) -> Array:
@@ -374,45 +508,16 @@ class LimitRows:
         return with_part(self, (*COLUMNS, "object_axes"), samples)
 
     def only(self, kept: NDArray[np.bool_]) -> "LimitRows":
-        """Some of the rows; a column of the speed in which they have nothing is None."""
+        """Some of the rows; a column in which they have no term is None."""
         if kept.all():
             return self
-        places = kept.nonzero()[0]
-        some: dict[str, Any] = {"names": tuple(compress(self.names, kept))}
-        for name in COLUMNS:
-            column = getattr(self, name)
-            if column is not None:
-                part = column[:, places]
-                some[name] = part if part.any() else None
-        return with_part(self, OF_ROWS, places, **some)
+        limits, places = _some(self.limits, kept.tobytes()), kept.nonzero()[0]
+        columns = {name: getattr(self, name)[:, places] for name in limits.columns}
+        return LimitRows(limits=limits, object_axes=self.object_axes, **columns)
 
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
-        return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
-
-    @property
-    def is_of_speed(self) -> NDArray[np.bool_]:
-        """Rows that nothing but the speed moves, Shape (r,)."""
-        count = len(self.names)
-        forces = self.torque_matrix.any(axis=1) | self.wrench_matrix.any(axis=1) | self.in_object_axes.any(axis=1)
-        return np.asarray(~(forces | moved(self.rate, count) | moved(self.offset, count)))
-
-    @property
-    def in_object_axes(self) -> Array:
-        """M_H, zeros where there is none, Shape (r, n w)."""
-        return np.zeros_like(self.wrench_matrix) if self.object_matrix is None else self.object_matrix
-
-    @property
-    def matrix(self) -> Array:
-        """M_τ, M_F and, if there is one, M_H beside each other, Shape (r, m + n w) or (r, m + 2 n w)."""
-        blocks = (self.torque_matrix, self.wrench_matrix)
-        return np.hstack(blocks if self.object_matrix is None else (*blocks, self.object_matrix))
-
-    @property
-    def groups(self) -> list[int]:
-        """Number of each row's `RowName.group`, from 0."""
-        known: dict[str, int] = {}
-        return [known.setdefault(name.group, len(known)) for name in self.names]
+        return self.only(self.limits.is_bounded)
 
 
 def side_size(limit: Array, units: Array) -> Array:
@@ -429,52 +534,35 @@ def counted_sizes(lower: Array, upper: Array, units: Array) -> Array:
     return np.stack([side_size(lower, units), side_size(upper, units)]) / units * (lower < upper)
 
 
-def moved(column: Array | None, rows: int) -> NDArray[np.bool_]:
-    """Rows with a term in one column of the speed, Shape (r,)."""
-    return np.zeros(rows, dtype=bool) if column is None else np.asarray(column.any(axis=0))
-
-
 def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
     """All rows of several limits along one motion, in order."""
-    names = tuple(chain.from_iterable(map(attrgetter("names"), given)))
+    limits, axes, start = _stacked(tuple(piece.limits for piece in given)), None, 0
     columns: dict[str, Array] = {}
-    axes, sized, start = None, False, 0
     for piece in given:
         rows = slice(start, start + len(piece.names))
         for name in COLUMNS:
             part = getattr(piece, name)
             if part is not None:  # row by row in memory: rows without the term cost nothing
-                columns.setdefault(name, np.zeros((len(names), len(part))).T)[:, rows] = part
-        axes = axes if piece.object_matrix is None else piece.object_axes
-        sized, start = sized or piece.size is not None, rows.stop
-
-    def joined(name: str) -> Array:
-        return np.concatenate([*map(attrgetter(name), given)])
-
-    return LimitRows(
-        names=names,
-        **{name: joined(name) for name in GIVEN},
-        object_matrix=None if axes is None else joined("in_object_axes"),
-        object_axes=axes,
-        **columns,
-        size=joined("units") if sized else None,
-    )
+                columns.setdefault(name, np.zeros((len(limits.names), len(part))).T)[:, rows] = part
+        axes, start = axes if piece.object_axes is None else piece.object_axes, rows.stop
+    return LimitRows(limits=limits, object_axes=axes, **columns)
 
 
-def kernel_limits(cell: Cell, rows: LimitRows) -> Any:
-    """The rows as C reads them, without the terms of single samples."""
-    matrix = rows.matrix
+@lru_cache(maxsize=KNOWN_LIMITS)
+def kernel_limits(cell: Cell, limits: RowLimits) -> Any:
+    """Limits as C reads them."""
+    matrix = limits.matrix
     row, column = matrix.nonzero()
-    base, axes = (None, (0, 1, 2)) if rows.object_matrix is None else base_axes(cell)
+    base, axes = (None, (0, 1, 2)) if limits.object_matrix is None else base_axes(cell)
     return filled(
         structure("rows.h", "mrts_limits"),
         rows=len(matrix),
         start=np.searchsorted(row, np.arange(len(matrix) + 1)),
         column=column,
         value=matrix[row, column],
-        lower=np.maximum(rows.lower, -INFINITY),
-        upper=np.minimum(rows.upper, INFINITY),
-        group=rows.groups,
+        lower=np.maximum(limits.lower, -INFINITY),
+        upper=np.minimum(limits.upper, INFINITY),
+        group=limits.groups,
         base=base,
         axes=axes,
     )
@@ -486,7 +574,7 @@ def limit_name(limit: Callable[..., object]) -> str:
 
 
 def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """The rows of a limit as they are.
+    """The rows of a limit as they are, with terms where there are numbers.
 
     Raises:
         InputError: If they are no rows of this cell along this motion: other shapes, no numbers, reversed limits.
@@ -510,7 +598,7 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
         **dict.fromkeys(COLUMNS, (motion.samples, count)),
     }
     for key, shape in shapes.items():
-        values = getattr(rows, key)
+        values = getattr(rows.limits if key in OF_ROWS else rows, key)
         if values is None and key in {"object_matrix", "size", *COLUMNS}:
             continue
         if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
@@ -522,7 +610,7 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
             row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
             rule = "must be finite, but for a side without a limit, which is infinite."
             raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=key)
-    if rows.object_matrix is not None and not np.array_equal(rows.object_axes, object_axes(cell, motion)):  # type: ignore[arg-type]  # None is not equal
+    if rows.limits.object_matrix is not None and not np.array_equal(rows.object_axes, object_axes(cell, motion)):  # type: ignore[arg-type]  # None is not equal
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
@@ -530,4 +618,6 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
         row = int(np.argmin(in_order))
         rule = f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}."
         raise InputError(where, rule, key="lower, upper")
-    return rows
+    columns = [getattr(rows, name) for name in COLUMNS]
+    terms = [np.zeros(count, dtype=bool) if column is None else column.any(axis=0) for column in columns]
+    return replace(rows, limits=replace(rows.limits, terms=np.array(terms)))

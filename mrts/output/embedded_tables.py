@@ -81,17 +81,17 @@ def embedded_tables(cell: Cell, motion: CoordinatedMotion) -> dict[str, NDArray[
     rows = stack_rows(pieces)
     velocity = velocity_rows(cell, probes[0])
     most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
-    row, column = np.nonzero(rows.matrix)
+    row, column = np.nonzero(rows.limits.matrix)
     tables = {
         "LOAD": cell.load,
         "LOAD_CORNERS": np.array([point.load for point in cell.load_box.corners()] if cell.load_box else [cell.load]),
         "WEIGHT": np.diag(torque_weights(None, cell)),
-        "ROW_START": np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(rows.matrix)))]),
+        "ROW_START": np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(rows.limits.matrix)))]),
         "ROW_COLUMN": column,
-        "ROW_VALUE": rows.matrix[row, column],
+        "ROW_VALUE": rows.limits.matrix[row, column],
         "LOWER": rows.lower,
         "UPPER": rows.upper,
-        "ROW_GROUP": np.array(rows.groups, dtype=np.intp),
+        "ROW_GROUP": np.array(rows.limits.groups, dtype=np.intp),
         "VELOCITY": np.concatenate([most, limits[~is_line]]),
         **_motors(cell, joint, slope, line_rows),
     }
@@ -175,9 +175,8 @@ def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
 
 def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
     of_speed = any(column is not None and np.any(column) for column in (rows.rate, rows.speed, rows.square))
-    tables = [
-        (each.torque_matrix, each.wrench_matrix, each.in_object_axes, each.lower, each.upper) for each in (rows, again)
-    ]
+    both = rows.limits, again.limits
+    tables = [(of.torque_matrix, of.wrench_matrix, of.in_object_axes, of.lower, of.upper) for of in both]
     alike = rows.names == again.names and all(map(np.array_equal, *tables))
     if of_speed or not alike:
         raise InputError(

@@ -15,8 +15,8 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.binding import filled, structure, work_arrays
 from mrts.kernel.cell_library import sample_inputs
-from mrts.limits import fixed_limits, fixed_rows, limit_rows
-from mrts.limits.rows import LimitRows, few_sides, kernel_limits, moved
+from mrts.limits import limit_rows
+from mrts.limits.rows import LimitRows, few_sides, kernel_limits
 from mrts.motion.rows_at_rest import REST
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
@@ -54,7 +54,7 @@ class MotorTerms:
 
     def margin(self, rows: LimitRows) -> Array | None:
         """By how much limits move inward where friction may act in both directions, Shape (N, r); None if none does."""
-        return None if self.turning is None else self.turning @ np.abs(rows.torque_matrix).T
+        return None if self.turning is None else self.turning @ np.abs(rows.limits.torque_matrix).T
 
     def friction(self, speed: float | Array) -> Array:
         """The part of τ that friction is at ṙ, one for all samples, or Shape (N, 1): Shape (N, m) [N m or N]."""
@@ -129,86 +129,76 @@ class MotionRows:
     motors: MotorTerms | None
 
     @cached_property
-    def _of_speed(self) -> tuple[NDArray[np.intp], NDArray[np.bool_], Array]:
-        """Rows with no term but b ṙ or e ṙ²: their s places, which of them have b, and b or e, Shape (N, s)."""
-        given, r = self.given, len(self.given.names)
-        by_speed, by_square = moved(given.speed, r), moved(given.square, r)
-        places = (given.is_of_speed & ~(by_speed & by_square)).nonzero()[0]
+    def _square_terms(self) -> Array:
+        """B or e of the s rows that bound ṙ², Shape (N, s)."""
+        given, places = self.given, self.given.limits.in_squares
         term = np.zeros((self.motion.samples, len(places)))
         for column in (given.speed, given.square):
             if column is not None:
                 term += column[:, places]
-        by_speed, size = by_speed[places], np.abs(term)
-        rest = np.where(by_speed, SPEED_AT_REST, SPEED_AT_REST**2)
+        size, rest = np.abs(term), np.where(given.limits.by_speed, SPEED_AT_REST, SPEED_AT_REST**2)
         term[size <= rest * size.max(axis=0, initial=0.0)] = 0.0
-        return places, by_speed, term
+        return term
 
     @cached_property
+    def _caps(self) -> tuple[NDArray[np.bool_], Array]:
+        limits, is_cap = self.given.limits, np.zeros(len(self.given.names), dtype=bool)
+        least, most = limits.lower[limits.in_squares], limits.upper[limits.in_squares]
+        share = side_share(self._square_terms, least, most)
+        own = (least <= 0) & (most >= 0) & np.isfinite(share).all(axis=0)
+        is_cap[limits.in_squares] = own
+        share, by_speed, alike = share[:, own], limits.by_speed[own], (least == -most)[own]
+        return is_cap, np.where(by_speed, share * np.where(alike, share, np.abs(share)), share)
+
+    @property
     def is_cap(self) -> NDArray[np.bool_]:
         """Rows that standstill keeps and nothing but the speed moves: they only bound ṙ² from above, Shape (r,)."""
-        (places, _, term), found = self._of_speed, np.zeros(len(self.given.names), dtype=bool)
-        least, most = self.given.lower[places], self.given.upper[places]
-        passed = (term > 0).any(axis=0) & (most <= 0) | (term < 0).any(axis=0) & (least >= 0)
-        found[places] = (least <= 0) & (most >= 0) & ~passed
-        return found
+        return self._caps[0]
 
-    @cached_property
+    @property
     def cap_share(self) -> Array:
-        """What each of these s caps is of its limit at ṙ = 1, in ṙ², as from `side_share`, Shape (N, s)."""
-        (places, by_speed, term), caps = self._of_speed, self.is_cap
-        own, least, most = caps[places], self.given.lower[caps], self.given.upper[caps]
-        share = side_share(term[:, own], least, most)
-        return np.where(by_speed[own], share * np.where(least == -most, share, np.abs(share)), share)
+        """What each of these caps is of its limit at ṙ = 1, in ṙ², as from `side_share`, Shape (N, caps)."""
+        return self._caps[1]
 
     def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
         """By how much k samples pass the caps at ṙ² = c², Shape (k,), in shares of each, at most: 0 or more."""
-        (places, by_speed, _), caps, share = self._of_speed, self.is_cap, self.cap_share[samples]
-        side = np.where(share > 0, self.given.upper[caps], -self.given.lower[caps]) / self.given.units[caps]
-        size = np.where(by_speed[caps[places]], side**2, side)
-        return np.asarray(((np.abs(share) * c2[:, None] - 1) * size).max(axis=1, initial=0.0))
+        passed, limits, (caps, share) = np.zeros(len(c2)), self.given.limits, self._caps
+        over = (c2 > self.most[samples]).nonzero()[0]
+        if over.size:
+            share = share[samples[over]]
+            side = np.where(share > 0, limits.upper[caps], -limits.lower[caps]) / limits.units[caps]
+            size = np.where(limits.terms[1, caps], side**2, side)
+            passed[over] = ((np.abs(share) * c2[over, None] - 1) * size).max(axis=1)
+        return passed
 
     @cached_property
     def rows(self) -> LimitRows:
-        """The rows, those with no term but b ṙ in ṙ²: b |b| ṙ² between l |l| and u |u|, in units of their limits.
-
-        ṙ >= 0, and squares with their sign keep the order. Where the speed is limited alike in both directions that is
-        b² ṙ² <= u². A row with other terms beside ṙ keeps it.
-        """
-        given, (places, by_speed, term) = self.given, self._of_speed
+        """The rows, those with no term but b ṙ in ṙ², as `RowLimits.squared`. A row with others beside ṙ keeps it."""
+        given, limits, squared = self.given, self.given.limits, self.given.limits.squared
+        places, square, speed = limits.in_squares, np.zeros((len(limits.names), self.motion.samples)).T, given.speed
         if not len(places):
             return given
-        size, least, most, speed = given.units[places], given.lower[places], given.upper[places], given.speed
-        alike = by_speed & (least == -most)
-
-        def in_squares(of: Array) -> Array:
-            return np.where(by_speed, of * np.abs(of) / size, of)
-
-        lower, upper, square = given.lower.copy(), given.upper.copy(), np.zeros((len(given.names), len(term))).T
         if given.square is not None:
             square[:] = given.square
-        square[:, places] = in_squares(np.where(alike, np.abs(term), term))
-        lower[places], upper[places] = np.where(alike, -np.inf, in_squares(least)), in_squares(most)
+        alike = (limits.lower == -limits.upper)[places]
+        term = np.where(limits.by_speed & alike, np.abs(self._square_terms), self._square_terms)
+        square[:, places] = np.where(limits.by_speed, term * np.abs(term) / limits.units[places], term)
         if speed is not None:
-            speed = speed.copy()
-            speed[:, places] = 0.0
-            speed = speed if speed.any() else None
-        return replace(given, lower=lower, upper=upper, square=square, speed=speed)
+            speed = np.where(squared.terms[1], speed, 0.0) if squared.terms[1].any() else None
+        return replace(given, limits=squared, square=square, speed=speed)
 
     @property
     def unit(self) -> Array:
         """What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,)."""
-        places, by_speed, _ = self._of_speed
-        unit = self.given.units.copy()
-        unit[places[by_speed]] /= 2
+        limits, unit = self.given.limits, self.given.units.copy()
+        unit[limits.in_squares[limits.by_speed]] /= 2
         return unit
 
     @cached_property
     def kept(self) -> LimitRows:
-        """The rows that are no caps: often those that any motion has, which C can read already."""
-        fixed = fixed_rows(self.cell)
-        caps = self.is_cap[len(fixed.names) :]
-        alike = not self.cell.reserve and len(caps) == np.count_nonzero(self.is_cap) and caps.all()
-        return fixed if alike else self.rows.only(~self.is_cap)
+        """The rows that are no caps."""
+        alone = np.count_nonzero(self.is_cap) == len(self.given.limits.in_squares)
+        return (self.given if alone else self.rows).only(~self.is_cap)
 
     @cached_property
     def compiled(self) -> bool:
@@ -218,12 +208,7 @@ class MotionRows:
         """
         free = self.formulation == "wrench" and self.sharing is None
         few = len(self.kept.names) + self.cell.library.unknowns <= MOST_ROWS
-        return free and few and not (self.given.lower > self.given.upper).any()
-
-    @cached_property
-    def _limits(self) -> Any:
-        fixed = self.kept is fixed_rows(self.cell)
-        return fixed_limits(self.cell) if fixed else kernel_limits(self.cell, self.kept)
+        return free and few and not self.given.limits.crosses
 
     def over_samples(
         self,
@@ -241,7 +226,7 @@ class MotionRows:
         `asked` is what it takes of each of k samples, `for_all` what it takes besides, `outputs` what it fills. ṙ is
         one of all of them, or Shape (k, 1), and None where it is to be found.
         """
-        library, count, limits = self.cell.library, len(asked[0]), self._limits
+        library, count, limits = self.cell.library, len(asked[0]), kernel_limits(self.cell, self.kept.limits)
         given = sample_inputs(library.records["wrench_form"], count, self.inputs(load, samples))
         kept, motors = self.kept, self.motors
         if samples is not None:

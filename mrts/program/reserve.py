@@ -155,10 +155,10 @@ def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Arra
     stays = ~problem.moved & (sizes[0] > 0)
     low, high = np.where(sizes > 0, sizes, 1.0)
     shares = np.stack([1 + lower / low, 1 - upper / high])
-    of_speed = given.is_of_speed
+    limits, of_speed = given.limits, given.limits.is_of_speed
     if np.any(of_speed):
-        torque, wrench = (np.zeros((problem.samples, M.shape[1])) for M in (given.torque_matrix, given.wrench_matrix))
-        value, size = given.value(torque, wrench, 0.0, np.sqrt(c2)), given.side_sizes()
+        torque, wrench = (np.zeros((problem.samples, M.shape[1])) for M in (limits.torque_matrix, limits.wrench_matrix))
+        value, size = given.value(torque, wrench, 0.0, np.sqrt(c2)), limits.side_sizes()
         at = np.stack([1 - (value - given.lower) / size[0], 1 - (given.upper - value) / size[1]])
         shares[:, :, of_speed] = at[:, :, of_speed]
     return np.where(stays, shares, -np.inf)

@@ -213,9 +213,9 @@ def build_sample_problem(
         raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
     if rows.sharing is None and formulation == "torque":
         _check_invertible(cell, motion, np.arange(motion.samples) if samples is None else samples)
-    limits, motors = rows.rows, rows.motors
+    given, motors = rows.rows, rows.motors
     if samples is not None:
-        limits, motors = limits.at(samples), None if motors is None else motors.at(samples)
+        given, motors = given.at(samples), None if motors is None else motors.at(samples)
     name = "fixed_distribution" if rows.sharing else f"{formulation}_form"
     maps = cell.library.map(name, motion.samples if samples is None else len(samples), inputs, varying=varying)
     maps = {key: _by_columns(value) if key.endswith("_map") else value for key, value in maps.items()}
@@ -224,11 +224,11 @@ def build_sample_problem(
     (count, k, _), r = maps["torque_map"].shape, len(size)
     A, (lower, upper) = np.empty((count, r, k)), np.empty((2, count, r))
     speed = np.empty((count, r)) if rows.has_speed_terms else None
-    rate = {"torque_square": motors and motors.rate, "square": limits.rate} if varying else {}
+    rate = {"torque_square": motors and motors.rate, "square": given.rate} if varying else {}
+    form, limits = pointers([maps[name] for name in FORM]), kernel_limits(cell, given.limits)
     cell.library.opened.mrts_form_rows(
-        *(count, k, pointers([maps[name] for name in FORM]), inputs["object_rotation"], kernel_limits(cell, limits)),
-        *(added_terms(limits, motors), filled(TERMS, **rate), size, np.arange(r, dtype=np.int32)),
-        *(A, lower, upper, speed, np.empty((k + 1) * (1 + cell.library.wrenches))),
+        *(count, k, form, inputs["object_rotation"], limits, added_terms(given, motors), filled(TERMS, **rate)),
+        *(size, np.arange(r, dtype=np.int32), A, lower, upper, speed, np.empty((k + 1) * (1 + cell.library.wrenches))),
     )
     return SampleProblem(
         torque_map=maps["torque_map"].transpose(0, 2, 1),

@@ -24,7 +24,7 @@ from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.tracking import PATH, REFUSED, variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_rows, wrench_limits
-from mrts.limits.rows import ActiveRow, kernel_limits
+from mrts.limits.rows import ActiveRow, kernel_limits, shrunk
 from mrts.motion.object_courses import PROFILES, geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.motion_rows import binds, largest_square, side_share
@@ -213,7 +213,7 @@ class VariantBatch:
         at_rest = CoordinatedMotion(motion, still, still, still)
         given = limit_rows(cell.with_reserve(0.0), at_rest)
         alone = {"velocity", "acceleration"}  # these bound c² by themselves
-        self.rows = given.only(np.array([name.kind not in alone for name in given.names], dtype=bool))
+        self.rows = given.only(np.array([name.kind not in alone for name in given.names], dtype=bool)).limits
         self._caps = velocity_rows(cell, at_rest).names
         self._caps += tuple(replace(name, kind="acceleration", unit=f"{name.unit}²") for name in self._caps)
         self._limited = {"torque": torque_limits(cell, at_rest).names, "wrench": wrench_limits(cell, at_rest).names}
@@ -354,7 +354,7 @@ class VariantBatch:
         sides = {side: numbers[side] for side in ("lower", "upper")}
         if self._cell.reserve:
             pairs = zip(*np.broadcast_arrays(*sides.values()), strict=True)
-            shrunk = [replace(self.rows, lower=low, upper=high).shrunk(self._cell.reserve) for low, high in pairs]
+            shrunk = [shrunk(replace(self.rows, lower=low, upper=high), self._cell.reserve) for low, high in pairs]
             sides = {side: np.array([getattr(rows, side) for rows in shrunk]) for side in sides}
         cell, velocity = self._cell, numbers["velocity"]
         if not cell.enforces_velocity_limits:

@@ -65,18 +65,12 @@ def test_velocity_limits_bound_every_range(tmp_path):
     assert "velocity" not in found[3]
 
 
-def supply(_cell, _motion):
+def supply(cell, _motion):
     """Two torques together may not exceed a limit, such as that of a supply that two motors share."""
     matrix = np.zeros((1, 6))
     matrix[0, [0, 4]] = 1.0
     name = mrts.RowName("supply", "left shoulder and right", "elbow", "N m")
-    return LimitRows(
-        names=(name,),
-        lower=np.array([-150.0]),
-        upper=np.array([np.inf]),
-        torque_matrix=matrix,
-        wrench_matrix=np.zeros((1, 6)),
-    )
+    return LimitRows.of(cell, [name], np.array([-150.0]), np.array([np.inf]), torque_matrix=matrix)
 
 
 SUPPLY = "left shoulder and right/elbow supply"

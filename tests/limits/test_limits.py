@@ -185,26 +185,33 @@ def test_limits_of_the_speed_alone_are_squared_exactly(planar_cell, lift):
     assert set(np.sign(form.rows.square[:, form.is_cap][binds(form.cap_share)])) == {-1, 1}
 
 
+def of_limits(rows, **values):
+    return replace(rows, limits=replace(rows.limits, **values))
+
+
 WRONG_ROWS = {
     "a shape": (
         lambda rows: replace(rows, square=rows.square[:, :1]),
         "square: must be real numbers of shape (101, 2)",
     ),
-    "names": (lambda rows: replace(rows, names=rows.names[:1]), "lower: must be real numbers of shape (1,)"),
-    "a number": (lambda rows: replace(rows, lower=-2.0), "lower: must be real numbers of shape (2,)"),
-    "NaN": (lambda rows: replace(rows, upper=np.array([2.0, np.nan])), "upper: object/y acceleration: must be finite"),
+    "names": (lambda rows: of_limits(rows, names=rows.names[:1]), "lower: must be real numbers of shape (1,)"),
+    "a number": (lambda rows: of_limits(rows, lower=-2.0), "lower: must be real numbers of shape (2,)"),
+    "NaN": (
+        lambda rows: of_limits(rows, upper=np.array([2.0, np.nan])),
+        "upper: object/y acceleration: must be finite",
+    ),
     "infinite": (
         lambda rows: replace(rows, square=np.where(np.arange(101)[:, None] == 50, np.inf, rows.square)),
         "square: object/x acceleration at sample 50: must be finite",
     ),
     "reversed": (
-        lambda rows: replace(rows, lower=rows.upper, upper=rows.lower),
+        lambda rows: of_limits(rows, lower=rows.upper, upper=rows.lower),
         "lower, upper: object/x acceleration: no number is from 2 to -2",
     ),
     "nothing": (lambda _rows: None, "must give LimitRows, not NoneType"),
-    "text": (lambda rows: replace(rows, names=("x", "y")), "names: must name its rows by RowName"),
+    "text": (lambda rows: of_limits(rows, names=("x", "y")), "names: must name its rows by RowName"),
     "a polygon": (
-        lambda rows: replace(rows, names=tuple(replace(name, sides=4) for name in rows.names)),
+        lambda rows: of_limits(rows, names=tuple(replace(name, sides=4) for name in rows.names)),
         "names: must name its rows by RowName, without sides",
     ),
 }

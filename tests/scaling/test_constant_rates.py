@@ -267,7 +267,7 @@ def largest_shares(result):
     """Of the limits of torques and wrenches as they are given at each sample, Shape (N,)."""
     rows = limit_rows(result.cell.with_reserve(0.0), result.motion)
     value = rows.value(result.trajectory.torque, result.trajectory.wrench, 0.0, result.trajectory.c)
-    return np.max(rows.share(value)[:, ~rows.is_of_speed], axis=1)
+    return np.max(rows.share(value)[:, ~rows.limits.is_of_speed], axis=1)
 
 
 @pytest.mark.parametrize("motors", [{}, {"viscous": 0.05, "coulomb": 0.02, "armature": 0.01}])

@@ -104,10 +104,8 @@ def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
 @pytest.mark.parametrize("options", [{}, {"formulation": "torque"}, {"solver": "qpsol:qpoases"}])
 def test_where_nothing_may_move_the_range_is_standing_still(planar_cell, lift, options):
     def held(cell, motion):
-        names, nothing, none = [RowName("hold", "left")], np.zeros(1), np.zeros((1, cell.library.joints))
-        matrices = {"torque_matrix": none, "wrench_matrix": none}
         speed = np.linalg.norm(motion.object.twist, axis=1)[:, None]
-        return LimitRows(names=names, lower=nothing, upper=nothing, **matrices, speed=speed)
+        return LimitRows.of(cell, [RowName("hold", "left")], np.zeros(1), np.zeros(1), speed=speed)
 
     with pytest.raises(mrts.SelectionError, match="only hold still") as caught:
         mrts.scale(planar_cell, lift, limits=[held], **options)

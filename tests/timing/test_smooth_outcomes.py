@@ -191,7 +191,7 @@ def largest_shares(found):
     """Of the limits of torques and wrenches at each row of a plan, Shape (N,)."""
     done = found.retimed.trajectory
     rows = limit_rows(found.cell, done.motion)
-    return np.max(rows.share(rows.value(done.torque, done.wrench, 0.0, 1.0))[:, ~rows.is_of_speed], axis=1)
+    return np.max(rows.share(rows.value(done.torque, done.wrench, 0.0, 1.0))[:, ~rows.limits.is_of_speed], axis=1)
 
 
 def mean_square(found):
