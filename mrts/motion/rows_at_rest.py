@@ -11,6 +11,9 @@ HOLDING_STEP = 1e-3
 REST = 1e-9
 """Joint speeds below this share of the largest of the motion are rest, accelerations below it none: rounding."""
 
+JOINT_STANDS = 1e-6
+"""The same of a single joint, whose friction then has no direction: rounded numbers of a URDF move it by as much."""
+
 ROUNDED = 0.01
 """Share by which the time of a row may be off: tables may carry few digits."""
 

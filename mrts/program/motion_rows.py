@@ -17,7 +17,7 @@ from mrts.kernel.binding import filled, structure, work_arrays
 from mrts.kernel.cell_library import sample_inputs
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows, few_sides, kernel_limits
-from mrts.motion.rows_at_rest import REST
+from mrts.motion.rows_at_rest import JOINT_STANDS
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -87,8 +87,8 @@ def travel_directions(motion: CoordinatedMotion) -> Array:
         return motion.travel
     dq, ddq = motion.dq, motion.ddq
     speed, change = np.abs(dq), np.abs(ddq)
-    moving = np.where(speed > REST * speed.max(), np.sign(dq), 0.0)
-    leaving = np.where(change > REST * change.max(), np.sign(ddq), 0.0)
+    moving = np.where(speed > JOINT_STANDS * speed.max(), np.sign(dq), 0.0)
+    leaving = np.where(change > JOINT_STANDS * change.max(), np.sign(ddq), 0.0)
     before, after = np.where(moving == 0, -leaving, moving), np.where(moving == 0, leaving, moving)
     before[0], after[-1] = after[0], before[-1]
     return np.array([before, after])

@@ -19,9 +19,9 @@ from mrts.program.sample_ranges import closest_speed, motion_ranges, sample_rang
 
 
 def test_friction_points_along_the_travel_and_is_one_sided_at_rest(lift):
-    t = np.linspace(0, 2 * np.pi, 9)
-    dq = np.column_stack([np.sin(t / 2), np.sin(t), -np.sin(t / 2), np.zeros(9)])
-    ddq = np.column_stack([np.cos(t / 2) / 2, np.cos(t), -np.cos(t / 2) / 2, np.zeros(9)])
+    t, rounding = np.linspace(0, 2 * np.pi, 9), 1e-8 * (-1.0) ** np.arange(9)
+    dq = np.column_stack([np.sin(t / 2), np.sin(t), -np.sin(t / 2), rounding])
+    ddq = np.column_stack([np.cos(t / 2) / 2, np.cos(t), -np.cos(t / 2) / 2, -rounding])
     before, after = travel_directions(CoordinatedMotion(lift, dq, dq, ddq, checked=False))
     assert np.array_equal(before[:, 0], np.ones(9))
     assert np.array_equal(after[:, 0], np.ones(9))
