@@ -24,8 +24,8 @@ OF_SHAPE = 1 / 17, 1.5
 HEAVY = 30.0
 """Times the weight that the motors of all arms together hold at arm's length: the mass is in grams."""
 
-ANY_JOINT = 1000.0
-"""Effort that no arm has in each of its joints, the last included [N m or N]."""
+ANY_JOINT = 100.0
+"""Effort that no arm has in its last joint as in its first [N m]: published URDFs give 100, 300, 1000, 5e4."""
 
 FEWEST_JOINTS = 3
 """Joints from which on equal efforts are no accident."""
@@ -152,7 +152,8 @@ def _posture(robot: Robot) -> Iterator[Remark]:
 
 def _efforts(robot: Robot) -> Iterator[Remark]:
     efforts = {*robot.torque_upper.tolist()}
-    if torque_source(robot) == "URDF" and len(robot.joints) >= FEWEST_JOINTS and len(efforts) == 1:
+    turning = len(robot.joints) >= FEWEST_JOINTS and "prismatic" not in robot.joint_types
+    if torque_source(robot) == "URDF" and turning and len(efforts) == 1:
         effort = efforts.pop()
         if ANY_JOINT <= effort < np.inf:
             yield Remark(
