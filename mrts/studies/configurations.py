@@ -25,6 +25,9 @@ from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scale import admissible_range
 
+TIED = ".8e"
+"""Digits to which c²⁺ of two configurations are one: a wrist turned by 2π gives the same but for rounding."""
+
 
 @dataclass(frozen=True)
 class Branch:
@@ -50,10 +53,12 @@ class Configuration:
     Attributes:
         branches: In the order of the cell's robots.
         range: The admissible range of c².
+        joint_margin: Least distance of a joint from its position limits along the motion [rad or m].
     """
 
     branches: tuple[Branch, ...]
     range: ScalingRange
+    joint_margin: float
 
     @property
     def c2_upper(self) -> float:
@@ -71,7 +76,7 @@ class ConfigurationStudy(JsonOutput):
 
     Attributes:
         branches: All branches by robot, those that fail included.
-        ranked: Configurations by falling c²⁺, infeasible ones last.
+        ranked: Configurations by falling c²⁺, those of one c²⁺ by falling joint margin, infeasible ones last.
     """
 
     branches: dict[str, list[Branch]]
@@ -109,6 +114,7 @@ class ConfigurationStudy(JsonOutput):
                 "branches": {branch.robot: branch.number for branch in one.branches},
                 "postures": one.postures(),
                 **one.range.to_json(),
+                "joint_margin": one.joint_margin if np.isfinite(one.joint_margin) else None,
                 "outcome": outcome(one),
             }
             for one in self.ranked
@@ -163,7 +169,8 @@ def rank_configurations(
         progress(number, len(choices))
         ranked.append(_evaluate(cell, motion, tracks, choice, options))
     progress(len(choices), len(choices))
-    return ConfigurationStudy(branches, tuple(sorted(ranked, key=lambda one: -one.c2_upper)))
+    ranked.sort(key=lambda one: (-float(f"{one.c2_upper:{TIED}}"), -one.joint_margin))
+    return ConfigurationStudy(branches, tuple(ranked))
 
 
 def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[TrackedVariants, dict[str, list[Branch]]]:
@@ -198,7 +205,8 @@ def _evaluate(
         for values in (tracks.q, tracks.dq, tracks.ddq)
     )
     whole = CoordinatedMotion(motion, q, dq, ddq)
-    return Configuration(choice, admissible_range(cell, whole, options)[0].range)
+    margin = np.minimum(q - cell.stacked("position_lower"), cell.stacked("position_upper") - q)
+    return Configuration(choice, admissible_range(cell, whole, options)[0].range, float(np.min(margin)))
 
 
 def outcome(configuration: Configuration) -> str:
