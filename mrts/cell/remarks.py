@@ -148,6 +148,12 @@ def _posture(robot: Robot) -> Iterator[Remark]:
             f"the posture of robot '{robot.name}' has {robot.joints[int(np.argmax(far))]} beyond a whole turn: "
             "is it in degrees? It must be in rad.",
         )
+        return
+    lower, upper, given = robot.position_lower, robot.position_upper, robot.posture
+    for place in np.flatnonzero(((given < lower) | (given > upper)) & (lower < upper))[:1]:
+        limits = f"[{lower[place]:.4g}, {upper[place]:.4g}]"
+        text = f"the posture of robot '{robot.name}' has {robot.joints[place]} at {given[place]:.4g}, outside {limits}."
+        yield Remark.hint("posture-outside", text)
 
 
 def _efforts(robot: Robot) -> Iterator[Remark]:

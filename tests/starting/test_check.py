@@ -65,6 +65,12 @@ def test_numbers_of_a_urdf_that_no_arm_has_are_named(wrong, code, tmp_path):
         assert request_of(tmp_path, **given).arms
 
 
+def test_a_posture_outside_the_joint_limits_is_told(dual_ur5):
+    left = dual_ur5.robots[0]
+    found = dual_ur5.with_postures({left.name: [*left.posture[:2], 3.5, *left.posture[3:]]})
+    assert [one.code for one in found.all_remarks if one not in dual_ur5.all_remarks] == ["posture-outside"]
+
+
 @pytest.mark.quick
 def test_all_that_is_wrong_is_told_at_once(tmp_path):
     rng = np.random.default_rng(19)
