@@ -136,7 +136,7 @@ class KernelSolver:
         The start far from the limits is the safer one.
         """
         changes, weighed = np.count_nonzero(np.isfinite(program.change)), np.count_nonzero(program.weight)
-        sizes = *program.free.shape[1:], program.gram.shape[1], changes, len(program.jerk), weighed
+        sizes = program.in_c.rows, program.free.shape[2], program.gram.shape[1], changes, len(program.jerk), weighed
         kind = *sizes, u is None, goal.time > 0, goal.effort > 0, goal.longest is None
         sigma = np.append(0.0, np.cumsum(program.step))
         last = self._iterates.pop(kind, None)
@@ -160,8 +160,8 @@ class KernelSolver:
             The share, half at least; its multipliers of rows at their upper and lower limits, Shape (2, n, r), and of
             changes upward and downward, Shape (2, n - 1, number of limited rows). None where none is found.
         """
-        n, r, _ = program.free.shape
-        count = np.count_nonzero(np.isfinite(program.change))
+        n, kept = len(x), program.in_turn[0]
+        r, count = program.in_c.rows, program.in_c.changes
         for least in LEAST_RATES:
             eased, goal = replace(program, change=least * program.change), Goal(time=0.0)
             solved, beyond, left = self._solve(eased, _start(eased, x), goal, timed=True, relaxed=least)
@@ -170,7 +170,9 @@ class KernelSolver:
                 multipliers = left[slots + OF_PATH :][:slots].reshape(n, -1)  # behind as many slacks
                 rows, changes = np.split(multipliers, [2 * r], axis=1)
                 by_side = changes[:-1].reshape(n - 1, 2, count).swapaxes(0, 1) / least
-                return least * (1 + beyond), rows.reshape(n, 2, r).swapaxes(0, 1), by_side
+                by_row = np.zeros((2, *program.square.shape))
+                by_row[..., kept] = rows.reshape(n, 2, r).swapaxes(0, 1)[..., : len(kept)]
+                return least * (1 + beyond), by_row, by_side
         return None
 
     def nearest(self, program: SmoothProgram, around: Array) -> tuple[SmoothProfile, float] | None:

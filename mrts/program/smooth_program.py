@@ -9,6 +9,7 @@ from operator import itemgetter
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, with_part
 from mrts.cell.cell import Cell
@@ -23,8 +24,15 @@ OF_ROWS = ("square", "rate", "root", "offset", "lower", "upper", "low", "high", 
 """Attributes whose last axis are the rows."""
 
 PROGRAM = structure("smooth_timing.c", "mrts_smooth_program")
-AS_THEY_ARE = ("step", "square", "rate", "offset", "lower", "upper", "gram", "bound", "q1", "q2", "q3", "jerk")
+AS_THEY_ARE = ("step", "gram", "bound", "q1", "q2", "q3", "jerk")
 """Attributes that C takes as they are."""
+ABSENT = dict.fromkeys(("square", "rate", "root", "offset", "low", "high", "weight"), 0.0)
+ABSENT |= {"lower": -np.inf, "upper": np.inf}
+"""Attributes of rows that C takes, as they are of a row that does not count."""
+SELDOM = "root", "weight"
+"""What is null where it is 0."""
+LANES = 4
+"""C takes so many rows at a time, `MRTS_LANES` of lane_types.h."""
 ENDS = ("given_start", "given_end", "held_start", "held_end")
 """Whether x and F are given at the ends, as C has them."""
 
@@ -131,29 +139,53 @@ class SmoothProgram:
         return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
 
     @cached_property
+    def in_turn(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+        """The rows as C takes them, those whose change is limited first, and those that do nothing but bound x."""
+        limited, moved = np.isfinite(self.change), np.any(self.free, axis=(0, 2))
+        others = limited | moved | np.any(self.rate, axis=0) | np.any(self.root, axis=0) | (self.weight != 0)
+        bounds = np.all(np.isneginf(self.lower) & (self.upper > self.offset) & (self.square >= 0), axis=0)
+        order = np.argsort(~limited, kind="stable")
+        caps = (bounds & ~others)[order]
+        return order[~caps], order[caps]
+
+    @cached_property
     def in_c(self) -> Any:
-        """The `mrts_smooth_program` without what is asked of it; what is absent is null."""
-        r, f = self.free.shape[1:]
-        used = np.any(self.free, axis=0)  # of a row, what lies from its first column that is not 0 to its last
+        """The `mrts_smooth_program` without what is asked of it; what is absent is null.
+
+        What bounds x alone is one row, the tightest of them at each node; rows without limits fill the lanes.
+        """
+        kept, caps = self.in_turn
+        last, r, (n, f) = len(kept), -(-(len(kept) + min(len(caps), 1)) // LANES) * LANES, self.free[:, 0].shape
+        rows, entry, used = dict[str, Array](), np.zeros((n, f, r)), np.zeros((r, f), dtype=bool)
+        for name, absent in ABSENT.items():
+            given = getattr(self, name)
+            if given is not None:
+                filled_up = np.full((*given.shape[:-1], r), absent)
+                filled_up[..., :last] = given[..., kept]
+                rows[name] = filled_up
+        if caps.size:
+            rows["square"][:, last] = np.max(self.square[:, caps] / (self.upper - self.offset)[:, caps], axis=1)
+            rows["upper"][:, last] = 1.0
+        entry[:, :, :last] = self.free[:, kept].swapaxes(1, 2)
+        used[:last] = np.any(self.free[:, kept], axis=0)
+        used = np.any(used.reshape(r // LANES, LANES, f), axis=1)  # from the first column of some rows to their last
         end = np.max(used * np.arange(1, f + 1), axis=1, initial=0)
         first = np.minimum(np.min(np.where(used, np.arange(f), f), axis=1, initial=f), end)
-        limited, cones = np.flatnonzero(np.isfinite(self.change)), self.gram.shape[1]
-        sizes = {"nodes": len(self.free), "rows": r, "free": f, "width": r * f, "cones": cones, "changes": len(limited)}
+        limited = np.count_nonzero(np.isfinite(self.change))
         return filled(
             PROGRAM,
             **{name: getattr(self, name) for name in AS_THEY_ARE},
-            **sizes,
+            **{name: None if name in SELDOM and not np.any(of_rows) else of_rows for name, of_rows in rows.items()},
+            nodes=n,
+            rows=r,
+            free=f,
+            cones=self.gram.shape[1],
+            changes=limited,
             jerks=len(self.jerk),
             first=first,
             count=end - first,
-            place=np.arange(r) * f + first,
-            limited=limited,
-            entry=self.free,
-            low=self.low,
-            high=self.high,
-            root=self.root if np.any(self.root) else None,
-            weight=self.weight if np.any(self.weight) else None,
-            change=self.change[limited],
+            entry=entry,
+            change=self.change[kept[:limited]],
             **{name: of is not None for name, of in zip(ENDS, (*self.ends, *self.end_free), strict=True)},
         )
 

@@ -20,13 +20,12 @@
  * is no limit.
  * Node k has the slots [rows above, rows below, cones, changes above, changes below, jerks at the start of its segment
  * above, below, at its end above, below]; the last two slots of all are those of the duration and of the share. */
-#include "numbers.h"
+#include "lanes/lane_types.h"
 
 typedef struct {
     int nodes;       /* n >= 2 */
-    int rows;        /* r of a node */
+    int rows;        /* r of a node, a multiple of MRTS_LANES; those whose change is limited come first */
     int free;        /* f of a node */
-    int width;       /* of a node: coefficients of its rows, each row's columns only */
     int cones;       /* of a node */
     int changes;     /* rows whose change is limited */
     int jerks;       /* joints whose jerk is limited */
@@ -37,10 +36,8 @@ typedef struct {
     int given_end;
     int held_start; /* F at the first node is given */
     int held_end;
-    const int *first;   /* column of F that a row begins with, (r) */
-    const int *count;   /* columns that it has, (r) */
-    const int *place;   /* of its first coefficient among those of a node, (r) */
-    const int *limited; /* rows whose change is limited, (changes) */
+    const int *first; /* column of F that MRTS_LANES rows begin with, (r / MRTS_LANES) */
+    const int *count; /* columns that they have, likewise */
     double time;
     double effort;
     double longest;      /* of the duration, MRTS_INFINITY where there is none */
@@ -52,7 +49,7 @@ typedef struct {
     const double *rate;
     const double *root; /* null where all are 0 */
     const double *offset;
-    const double *entry; /* coefficients of F, (n, width) */
+    const double *entry; /* coefficients of F, (n, f, r) */
     const double *lower;
     const double *upper;
     const double *low;    /* (n, r), as high; null where the last of F is no share */
@@ -93,13 +90,14 @@ typedef struct {
     double *share_second;     /* along (x, s), (u, s), (s, s), (n, 3) */
     double *segment_second;   /* along (x, x'), (x, u'), (u, x'), (u, u'), (n - 1, 4) */
     double *pressing, *holding; /* of a node: multipliers above and below, (r) */
+    double *column[4];        /* weights of rows, (r) */
     double unit;              /* of the objective */
-    long long slots;           /* how many */
+    long long slots;           /* how many, a multiple of MRTS_LANES */
     int present;               /* slots with a limit */
     double *s, *y;             /* slacks and multipliers, infinity and 0 where there is no limit */
     double *by_s, *weight;     /* 1 / s, 0 where there is no limit, and y / s */
     double *missed, *ds, *dy;  /* g + s, and the steps */
-    double *target, *before;   /* multipliers that the right side is made of, and what the share pulls at */
+    double *target;            /* multipliers that the right side is made of */
     double *gx, *gu, *gf;      /* the gradient of the objective */
     double *px, *pu, *pf;      /* another one, or a step */
     double *b, *w;             /* unknowns: a right side and its step; the factor's answer to what borders the matrix */
@@ -112,6 +110,8 @@ typedef struct {
     double dual_reach, x_reach;
     double *kept;              /* an iterate far from the limits: its s, y, F, control points and unit */
 } mrts_smooth_state;
+
+static inline int mrts_lanes_whole(int count) { return (count + MRTS_LANES - 1) / MRTS_LANES * MRTS_LANES; }
 
 static inline int mrts_smooth_node_slots(const mrts_smooth_program *p) { return 2 * p->rows + p->cones; }
 static inline int mrts_smooth_slots(const mrts_smooth_program *p) {
@@ -159,26 +159,62 @@ static void mrts_smooth_start(const mrts_smooth_program *p, mrts_smooth_state *s
     mrts_smooth_profile(p, state);
 }
 
+static inline const double *mrts_smooth_entry(const mrts_smooth_program *p, int k) {
+    return p->entry + (long long)k * p->free * p->rows;
+}
+
+/* What F moves MRTS_LANES rows of node k by, the first of which is j. */
+static inline mrts_lanes mrts_smooth_moved_by(const mrts_smooth_program *p, int k, int j, const double *F) {
+    const int first = p->first[j / MRTS_LANES], count = p->count[j / MRTS_LANES];
+    const double *entry = mrts_smooth_entry(p, k) + j;
+    mrts_lanes sum = {0};
+    MRTS_UNROLL
+    for (int l = first; l < first + count; ++l) sum += F[l] * *mrts_lanes_at(entry, l * p->rows);
+    return sum;
+}
+
+/* From row j, where rows begin that have other columns of F than those, or `end`. */
+static inline int mrts_smooth_alike(const mrts_smooth_program *p, int j, int end) {
+    const int *first = p->first + j / MRTS_LANES, *count = p->count + j / MRTS_LANES;
+    int next = 1;
+    while (j + next * MRTS_LANES < end && first[next] == *first && count[next] == *count) ++next;
+    return j + next * MRTS_LANES;
+}
+
+static inline double mrts_smooth_product(int from, int to, const double *a, const double *b) {
+    mrts_lanes sum = {0};
+    for (int j = from; j < to; j += MRTS_LANES) sum += *mrts_lanes_at(a, j) * *mrts_lanes_at(b, j);
+    return mrts_lane_sum(sum);
+}
+
+/* Adds the sum of `weight` times the coefficients of F over some rows of node k to every `stride`th of `sums`. */
+static void mrts_smooth_add_rows(const mrts_smooth_program *p, int k, int rows, const double *weight, int stride,
+                                 double *sums) {
+    const double *entry = mrts_smooth_entry(p, k);
+    for (int from = 0, to; from < rows; from = to) {
+        to = mrts_smooth_alike(p, from, rows);
+        const int first = p->first[from / MRTS_LANES], count = p->count[from / MRTS_LANES];
+        for (int l = first; l < first + count; ++l) {
+            sums[l * stride] += mrts_smooth_product(from, to, weight, entry + l * p->rows);
+        }
+    }
+}
+
 /* Rows of one node: values without and with their roots replaced, from above and from below. */
 static void mrts_smooth_node(const mrts_smooth_program *p, mrts_smooth_state *state, int k) {
     const int r = p->rows;
     const long long at = (long long)k * r;
     const double x = state->x[k], u = state->u[k];
-    const double *F = state->free + (long long)k * p->free, *entry = p->entry + (long long)k * p->width;
-    const double *square = p->square + at, *rate = p->rate + at, *offset = p->offset + at;
+    const double *F = state->free + (long long)k * p->free, *square = p->square + at;
     double *value = state->value + at, *above = state->above + at, *below = state->below + at;
-    for (int j = 0; j < r; ++j) {
-        double sum = square[j] * x + rate[j] * u + offset[j];
-        value[j] = sum + mrts_dot(p->count[j], entry + p->place[j], F + p->first[j]);
-    }
     double *above_x = state->above_x + at, *below_x = state->below_x + at;
-    if (!p->root) {
-        for (int j = 0; j < r; ++j) {
-            above[j] = below[j] = value[j];
-            above_x[j] = below_x[j] = square[j];
-        }
-        return;
+    for (int j = 0; j < r; j += MRTS_LANES) {
+        const mrts_lanes its = *mrts_lanes_at(square, j) * x + *mrts_lanes_at(p->rate, at + j) * u +
+                               *mrts_lanes_at(p->offset, at + j) + mrts_smooth_moved_by(p, k, j, F);
+        *mrts_lanes_at(value, j) = *mrts_lanes_at(above, j) = *mrts_lanes_at(below, j) = its;
+        *mrts_lanes_at(above_x, j) = *mrts_lanes_at(below_x, j) = *mrts_lanes_at(square, j);
     }
+    if (!p->root) return;
     const double root = sqrt(x), a = state->root_around[k];
     const double exact_x = 1 / (2 * root), tangent_x = 1 / (2 * a), tangent = a + (x - a * a) * tangent_x;
     for (int j = 0; j < r; ++j) {
@@ -215,10 +251,9 @@ static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_
     const double *above0 = above + (long long)k * r, *below0 = below + (long long)k * r;
     const double *above1 = above0 + r, *below1 = below0 + r;
     for (int i = 0; i < c; ++i) {
-        const int j = p->limited[i];
         const double by = state->by_time[k] * state->by_change[i];
-        g[i] = by * (above1[j] - below0[j]) - time;
-        g[c + i] = by * (above0[j] - below1[j]) - time;
+        g[i] = by * (above1[i] - below0[i]) - time;
+        g[c + i] = by * (above0[i] - below1[i]) - time;
     }
     g += 2 * c;
     const double slope = (u[k + 1] - u[k]) / p->step[k];
@@ -252,9 +287,9 @@ static void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *
         mrts_smooth_cones(p, state, k, g + (long long)k * slots + 2 * r);
         const long long at = (long long)k * r;
         double *here = g + (long long)k * slots;
-        for (int j = 0; j < r; ++j) {
-            here[j] = state->above[at + j] - p->upper[at + j];
-            here[r + j] = p->lower[at + j] - state->below[at + j];
+        for (int j = 0; j < r; j += MRTS_LANES) {
+            *mrts_lanes_at(here, j) = *mrts_lanes_at(state->above, at + j) - *mrts_lanes_at(p->upper, at + j);
+            *mrts_lanes_at(here, r + j) = *mrts_lanes_at(p->lower, at + j) - *mrts_lanes_at(state->below, at + j);
         }
         if (p->low) mrts_smooth_shared(p, k, state->free, here);
     }
@@ -272,14 +307,13 @@ static void mrts_smooth_moved(const mrts_smooth_program *p, mrts_smooth_state *s
     double *above = state->row_weight, *below = state->row_cross; /* their second derivatives have been used */
     for (int k = 0; k < n; ++k) {
         const long long at = (long long)k * r;
-        const double *F = df + (long long)k * p->free, *entry = p->entry + (long long)k * p->width;
         double *here = dg + (long long)k * slots;
-        for (int j = 0; j < r; ++j) {
-            double sum = p->rate[at + j] * du[k];
-            sum += mrts_dot(p->count[j], entry + p->place[j], F + p->first[j]);
-            above[at + j] = here[j] = sum + state->above_x[at + j] * dx[k];
-            below[at + j] = sum + state->below_x[at + j] * dx[k];
-            here[r + j] = -below[at + j];
+        for (int j = 0; j < r; j += MRTS_LANES) {
+            const mrts_lanes sum = *mrts_lanes_at(p->rate, at + j) * du[k] +
+                                   mrts_smooth_moved_by(p, k, j, df + (long long)k * p->free);
+            *mrts_lanes_at(above, at + j) = *mrts_lanes_at(here, j) = sum + *mrts_lanes_at(state->above_x, at + j) * dx[k];
+            *mrts_lanes_at(below, at + j) = sum + *mrts_lanes_at(state->below_x, at + j) * dx[k];
+            *mrts_lanes_at(here, r + j) = -*mrts_lanes_at(below, at + j);
         }
         if (p->low) mrts_smooth_shared(p, k, df, here);
         for (int i = 0; i < p->cones; ++i) {
@@ -306,10 +340,10 @@ static void mrts_smooth_presses(const mrts_smooth_program *p, mrts_smooth_state 
     for (int s = k > 0 ? k - 1 : 0; s <= k && s < n - 1; ++s) {
         const double *up = y + (long long)s * slots + mrts_smooth_node_slots(p), *down = up + c;
         const double *pressing = s < k ? up : down, *holding = s < k ? down : up;
-        for (int i = 0; i < c; ++i) {
-            const double by = state->by_time[s] * state->by_change[i];
-            state->pressing[p->limited[i]] += by * pressing[i];
-            state->holding[p->limited[i]] += by * holding[i];
+        for (int i = 0; i < c; i += MRTS_LANES) { /* behind the last by_change is 0 */
+            const mrts_lanes by = state->by_time[s] * *mrts_lanes_at(state->by_change, i);
+            *mrts_lanes_at(state->pressing, i) += by * *mrts_lanes_at(pressing, i);
+            *mrts_lanes_at(state->holding, i) += by * *mrts_lanes_at(holding, i);
         }
     }
 }
@@ -320,25 +354,24 @@ static void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_state *
     const int n = p->nodes, r = p->rows, c = p->changes, J = p->jerks, slots = mrts_smooth_slots(p);
     for (int k = 0; k < n; ++k) {
         const long long at = (long long)k * r;
-        const double *entry = p->entry + (long long)k * p->width;
-        double *F = gf + (long long)k * p->free, along_x = 0, along_u = 0;
+        double *F = gf + (long long)k * p->free;
+        mrts_lanes of_x = {0}, of_u = of_x;
         mrts_smooth_presses(p, state, y, k);
-        for (int j = 0; j < r; ++j) {
-            const double up = state->pressing[j], down = state->holding[j], both = up - down;
-            along_x += up * state->above_x[at + j] - down * state->below_x[at + j];
-            along_u += both * p->rate[at + j];
-            const double *e = entry + p->place[j];
-            double *f = F + p->first[j];
-            MRTS_UNROLL
-            for (int l = 0; l < p->count[j]; ++l) f[l] += both * e[l];
+        for (int j = 0; j < r; j += MRTS_LANES) {
+            const mrts_lanes up = *mrts_lanes_at(state->pressing, j), down = *mrts_lanes_at(state->holding, j);
+            of_x += up * *mrts_lanes_at(state->above_x, at + j) - down * *mrts_lanes_at(state->below_x, at + j);
+            of_u += (up - down) * *mrts_lanes_at(p->rate, at + j);
+            *mrts_lanes_at(state->pressing, j) = up - down;
         }
-        for (int j = 0; j < r && p->low; ++j) {
-            const double *here = y + (long long)k * slots;
-            F[p->free - 1] -= here[j] * p->high[at + j] + here[r + j] * p->low[at + j];
+        double along_x = mrts_lane_sum(of_x), along_u = mrts_lane_sum(of_u);
+        mrts_smooth_add_rows(p, k, r, state->pressing, 1, F);
+        const double *here = y + (long long)k * slots;
+        if (p->low) {
+            F[p->free - 1] -= mrts_smooth_product(0, r, here, p->high + at) + mrts_smooth_product(0, r, here + r, p->low + at);
         }
         for (int i = 0; i < p->cones; ++i) {
             const long long cone = (long long)k * p->cones + i;
-            const double by = y[(long long)k * slots + 2 * r + i];
+            const double by = here[2 * r + i];
             along_u += by * (state->cone_u[cone] - p->bound[3 * cone]);
             along_x += by * (state->cone_x[cone] - p->bound[3 * cone + 1]);
         }
@@ -396,19 +429,21 @@ static double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smooth_st
         const double root = sqrt(state->x[k]), a = state->root_around[k];
         const double by = p->effort * mrts_smooth_spacing(p, k) / state->unit;
         const double tangent = a + (state->x[k] - a * a) / (2 * a);
-        const double *entry = p->entry + (long long)k * p->width;
-        double *F = gf + (long long)k * p->free;
-        for (int j = 0; j < r; ++j) {
-            const double weight = by * p->weight[j], v = state->value[at + j], lift = p->root ? p->root[at + j] : 0;
-            if (weight == 0) continue;
-            const double along = weight * (2 * v / root + 2 * lift);
-            effort += weight * (v * v / root + 2 * lift * v + lift * lift * tangent);
-            gx[k] += along * p->square[at + j] + weight * (lift * lift / (2 * a) - v * v / (2 * root * state->x[k]));
-            gu[k] += along * p->rate[at + j];
-            const double *e = entry + p->place[j];
-            double *f = F + p->first[j];
-            for (int l = 0; l < p->count[j]; ++l) f[l] += along * e[l];
+        mrts_lanes spent = {0}, of_x = spent, of_u = spent;
+        for (int j = 0; j < r; j += MRTS_LANES) {
+            const mrts_lanes weight = by * *mrts_lanes_at(p->weight, j), v = *mrts_lanes_at(state->value, at + j);
+            const mrts_lanes lift = p->root ? *mrts_lanes_at(p->root, at + j) : mrts_each(0);
+            const mrts_lanes along = weight * (2 * v / root + 2 * lift);
+            *mrts_lanes_at(state->column[0], j) = along;
+            spent += weight * (v * v / root + 2 * lift * v + lift * lift * tangent);
+            of_x += along * *mrts_lanes_at(p->square, at + j) +
+                    weight * (lift * lift / (2 * a) - v * v / (2 * root * state->x[k]));
+            of_u += along * *mrts_lanes_at(p->rate, at + j);
         }
+        effort += mrts_lane_sum(spent);
+        gx[k] += mrts_lane_sum(of_x);
+        gu[k] += mrts_lane_sum(of_u);
+        mrts_smooth_add_rows(p, k, r, state->column[0], 1, gf + (long long)k * p->free);
     }
     double uneven = 0;
     for (int k = 0; k < n - 1; ++k) {
@@ -438,14 +473,16 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
     const int r = p->rows, slots = mrts_smooth_slots(p);
     const long long at = (long long)k * r;
     const double *above = state->weight + (long long)k * slots, *below = above + r;
-    double *along = state->row_weight + at, *cross = state->row_cross + at, second = 0;
-    for (int j = 0; j < r; ++j) {
-        const double up = above[j], down = below[j];
-        const double up_x = state->above_x[at + j], down_x = state->below_x[at + j];
-        along[j] = up + down;
-        cross[j] = up * up_x + down * down_x;
-        second += up * up_x * up_x + down * down_x * down_x;
+    double *along = state->row_weight + at, *cross = state->row_cross + at;
+    mrts_lanes squares = {0};
+    for (int j = 0; j < r; j += MRTS_LANES) {
+        const mrts_lanes up = *mrts_lanes_at(above, j), down = *mrts_lanes_at(below, j);
+        const mrts_lanes up_x = *mrts_lanes_at(state->above_x, at + j), down_x = *mrts_lanes_at(state->below_x, at + j);
+        *mrts_lanes_at(along, j) = up + down;
+        *mrts_lanes_at(cross, j) = up * up_x + down * down_x;
+        squares += up * up_x * up_x + down * down_x * down_x;
     }
+    double second = mrts_lane_sum(squares);
     double *shared = state->share_second + 3 * k;
     shared[0] = shared[1] = shared[2] = 0;
     for (int j = 0; j < r && p->low; ++j) {
@@ -458,11 +495,12 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
     const double x = state->x[k], root = sqrt(x);
     if (p->effort > 0 && p->weight) {
         const double by = p->effort * mrts_smooth_spacing(p, k) / state->unit;
-        for (int j = 0; j < r; ++j) {
-            const double share = by * p->weight[j] / root, square = p->square[at + j], v = state->value[at + j] / x;
-            along[j] += 2 * share;
-            cross[j] += share * (2 * square - v);
-            second += share * (2 * square * square - 2 * square * v + 0.75 * v * v);
+        for (int j = 0; j < r; j += MRTS_LANES) {
+            const mrts_lanes share = by / root * *mrts_lanes_at(p->weight, j), v = *mrts_lanes_at(state->value, at + j) / x;
+            const mrts_lanes square = *mrts_lanes_at(p->square, at + j);
+            *mrts_lanes_at(along, j) += 2 * share;
+            *mrts_lanes_at(cross, j) += share * (2 * square - v);
+            second += mrts_lane_sum(share * (2 * square * square - 2 * square * v + 0.75 * v * v));
         }
     }
     if (p->root) {
@@ -484,20 +522,19 @@ static void mrts_smooth_change_second(const mrts_smooth_program *p, mrts_smooth_
     const double time0 = state->time_x[k], time1 = state->time_x1[k];
     double second0 = 0, second1 = 0, mixed = 0;
     for (int i = 0; i < c; ++i) {
-        const int j = p->limited[i];
         const double by = state->by_time[k] * state->by_change[i];
         const double up = weights[i], down = weights[c + i];
-        const double up0 = by * state->below_x[at + j] + time0, up1 = by * state->above_x[at + r + j] - time1;
-        const double down0 = by * state->above_x[at + j] - time0, down1 = by * state->below_x[at + r + j] + time1;
+        const double up0 = by * state->below_x[at + i] + time0, up1 = by * state->above_x[at + r + i] - time1;
+        const double down0 = by * state->above_x[at + i] - time0, down1 = by * state->below_x[at + r + i] + time1;
         const double weight = by * by * (up + down);
         const double before = by * (up * up0 + down * down0), after = by * (up * up1 + down * down1);
         state->change_weight[of + i] = weight;
         state->change_before[of + i] = before;
         state->change_after[of + i] = after;
-        state->row_weight[at + j] += weight;
-        state->row_weight[at + r + j] += weight;
-        state->row_cross[at + j] += before;
-        state->row_cross[at + r + j] += after;
+        state->row_weight[at + i] += weight;
+        state->row_weight[at + r + i] += weight;
+        state->row_cross[at + i] += before;
+        state->row_cross[at + r + i] += after;
         second0 += up * up0 * up0 + down * down0 * down0;
         second1 += up * up1 * up1 + down * down1 * down1;
         mixed -= up * up0 * up1 + down * down0 * down1;
@@ -561,6 +598,14 @@ static void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_state *
     }
 }
 
+static void mrts_smooth_clear(long long count, double *a) {
+    for (long long i = 0; i < count; ++i) a[i] = 0;
+}
+
+static void mrts_smooth_copy(long long count, const double *from, double *to) {
+    for (long long i = 0; i < count; ++i) to[i] = from[i];
+}
+
 /*
  * The Newton matrix of smooth timing, factored node by node. Unknowns are F_0, c_0, F_1, c_1, ..., F_(n-1), c_(n-1),
  * c_n with the control points c; node k's front is F_k, c_k, which are eliminated, and F_(k+1), c_(k+1), c_(k+2), which
@@ -571,18 +616,16 @@ static inline long long mrts_front_unknowns(const mrts_smooth_program *p) {
 }
 
 #define MRTS_FRONT_PIVOT 1e-16 /* a pivot below this share of its diagonal is rounding: its unknown does not move */
-#define MRTS_FRONT_ROWS 4         /* of a front that are worked on together */
 #define MRTS_FRONT_SOFT 1e-15  /* of its diagonal, added to each: F that nothing determines stays where it is */
 
-static long long mrts_front_size(const mrts_smooth_program *p) {
-    const long long f = p->free;
-    return (p->nodes - 1) * (2 * f + 3) * (f + 1) + (f + 2) * (f + 2);
+/* The place in a front of F_(k+1), and reals from a row of it to the next. */
+static inline int mrts_front_next(const mrts_smooth_program *p) { return mrts_lanes_whole(p->free + 1); }
+static inline int mrts_front_stride(const mrts_smooth_program *p) {
+    return mrts_front_next(p) + mrts_lanes_whole(p->free + 2);
 }
 
-static long long mrts_front_work(const mrts_smooth_program *p) {
-    const long long f = p->free;
-    return (2 * f + 3) * (2 * f + 3) + (f + 2) + (f + 2) * (f + 2) + (2 * f + 3) / MRTS_FRONT_ROWS + 1;
-}
+/* Reals of the factor of one front: rows of what is eliminated. */
+static long long mrts_front_size(const mrts_smooth_program *p) { return (p->free + 2) * mrts_front_stride(p); }
 
 static int mrts_front_held(const mrts_smooth_program *p, int k) {
     return (k == 0 && p->held_start) || (k == p->nodes - 1 && p->held_end);
@@ -591,252 +634,216 @@ static int mrts_front_given(const mrts_smooth_program *p, int k) {
     return p->timed || (k == 0 && p->given_start) || (k == p->nodes && p->given_end);
 }
 
-/* A += by a b', columns of A from a row of `stride` to the next; the count is a constant where it is often met. */
-static inline void mrts_front_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
-    for (int i = 0; i < count; ++i) {
-        const double left = by * a[i];
-        for (int l = 0; l < count; ++l) A[i * stride + l] += left * b[l];
+/* Adds the sum of weight times products of coefficients of F over some rows, those of `left` times those of `right`, to
+ * A; where they are the same, above the diagonal alone. */
+static void mrts_front_add_products(const mrts_smooth_program *p, int rows, const double *weight, const double *left,
+                                    const double *right, double *weighed, double *A) {
+    const int stride = mrts_front_stride(p);
+    for (int from = 0, to; from < rows; from = to) {
+        to = mrts_smooth_alike(p, from, rows);
+        const int first = p->first[from / MRTS_LANES], end = first + p->count[from / MRTS_LANES];
+        for (int i = first; i < end; ++i) {
+            for (int j = from; j < to; j += MRTS_LANES) {
+                *mrts_lanes_at(weighed, j) = *mrts_lanes_at(weight, j) * *mrts_lanes_at(left, i * p->rows + j);
+            }
+            for (int l = left == right ? i : first; l < end; ++l) {
+                A[i * stride + l] += mrts_smooth_product(from, to, weighed, right + l * p->rows);
+            }
+        }
     }
 }
 
-static void mrts_front_add_outer(int count, int stride, double by, const double *a, const double *b, double *A) {
-    if (count == 6) mrts_front_outer(6, stride, by, a, b, A);
-    else if (count == 3) mrts_front_outer(3, stride, by, a, b, A);
-    else mrts_front_outer(count, stride, by, a, b, A);
-}
-
-/* Adds node k to the lower triangle of a front of size m; c_(k+1) has the place `next`. Its own places are adjacent. */
-static void mrts_front_add_node(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int m, int next,
-                                double *A, double *diagonal) {
-    const int f = p->free, r = p->rows;
+/* Adds node k to the upper triangle of a front; c_(k+1) has the place `next`. Its own places are adjacent. */
+static void mrts_front_add_node(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int next, double *A,
+                                double *diagonal) {
+    const int f = p->free, r = p->rows, m = mrts_front_stride(p);
     const long long at = (long long)k * r;
-    const double *weight = state->row_weight + at, *cross = state->row_cross + at, *rate = p->rate + at;
-    const double *entry = p->entry + (long long)k * p->width;
+    const double *weight = state->row_weight + at, *cross = state->row_cross + at, *entry = mrts_smooth_entry(p, k);
     const double near = state->near[k], far = state->far[k], slope = state->slope[k];
     const double xx = state->node_second[3 * k];
-    double xu = state->node_second[3 * k + 1], uu = state->node_second[3 * k + 2];
-    double *of_c = A + f * m, *of_next = A + next * m;
-    for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i];
-    for (int j = 0; j < r; ++j) {
-        const double *e = entry + p->place[j];
-        const double along_u = weight[j] * rate[j];
-        const double by_c = near * cross[j] - slope * along_u, by_next = far * cross[j] + slope * along_u;
-        const int first = p->first[j], count = p->count[j];
-        xu += cross[j] * rate[j];
-        uu += along_u * rate[j];
-        mrts_front_add_outer(count, m, weight[j], e, e, A + first * m + first);
-        for (int i = 0; i < count; ++i) {
-            of_c[first + i] += by_c * e[i];
-            of_next[first + i] += by_next * e[i];
-        }
+    double *by_c = state->column[1], *by_next = state->column[2];
+    mrts_lanes mixed = {0}, square = mixed;
+    for (int j = 0; j < r; j += MRTS_LANES) {
+        const mrts_lanes rate = *mrts_lanes_at(p->rate, at + j), of_x = *mrts_lanes_at(cross, j);
+        const mrts_lanes along_u = *mrts_lanes_at(weight, j) * rate;
+        *mrts_lanes_at(by_c, j) = near * of_x - slope * along_u;
+        *mrts_lanes_at(by_next, j) = far * of_x + slope * along_u;
+        mixed += of_x * rate;
+        square += along_u * rate;
     }
+    const double xu = state->node_second[3 * k + 1] + mrts_lane_sum(mixed);
+    const double uu = state->node_second[3 * k + 2] + mrts_lane_sum(square);
+    for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i];
+    mrts_front_add_products(p, r, weight, entry, entry, state->column[0], A);
+    mrts_smooth_add_rows(p, k, r, by_c, m, A + f);
+    mrts_smooth_add_rows(p, k, r, by_next, m, A + next);
     if (p->low) {
-        const double *share = state->row_share + at, *second = state->share_second + 3 * k;
+        const double *second = state->share_second + 3 * k;
         double *of_s = A + (f - 1) * m;
-        for (int j = 0; j < r; ++j) {
-            const double *e = entry + p->place[j];
-            for (int i = 0; i < p->count[j]; ++i) of_s[p->first[j] + i] += share[j] * e[i];
-        }
+        mrts_smooth_add_rows(p, k, r, state->row_share + at, m, A + f - 1);
         of_s[f - 1] += second[2];
-        of_c[f - 1] += near * second[0] - slope * second[1];
-        of_next[f - 1] += far * second[0] + slope * second[1];
+        of_s[f] += near * second[0] - slope * second[1];
+        of_s[next] += far * second[0] + slope * second[1];
     }
     for (int i = 0; i < f; ++i) diagonal[i] = A[i * m + i] - diagonal[i];
     const double cc = near * near * xx - 2 * near * slope * xu + slope * slope * uu;
     const double nn = far * far * xx + 2 * far * slope * xu + slope * slope * uu;
-    of_c[f] += cc;
-    of_next[f] += near * far * xx + slope * (near - far) * xu - slope * slope * uu;
-    of_next[next] += nn;
+    A[f * m + f] += cc;
+    A[f * m + next] += near * far * xx + slope * (near - far) * xu - slope * slope * uu;
+    A[next * m + next] += nn;
     diagonal[f] = cc;
     diagonal[f + 1] = nn;
 }
 
 static void mrts_front_add_segment(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, double *A) {
-    const int f = p->free, r = p->rows, c = p->changes, m = 2 * f + 3;
-    const double *entry0 = p->entry + (long long)k * p->width, *entry1 = entry0 + p->width;
+    const int f = p->free, r = p->rows, c = p->changes, m = mrts_front_stride(p), next = mrts_front_next(p);
+    const int c1 = next + f, c2 = c1 + 1;
     const double *rate0 = p->rate + (long long)k * r, *rate1 = rate0 + r;
     const double near0 = state->near[k], far0 = state->far[k], slope0 = state->slope[k];
     const double near1 = state->near[k + 1], far1 = state->far[k + 1], slope1 = state->slope[k + 1];
     double xx = state->segment_second[4 * k], xu = state->segment_second[4 * k + 1];
     double ux = state->segment_second[4 * k + 2], uu = state->segment_second[4 * k + 3];
-    double *of_c1 = A + (2 * f + 1) * m, *of_c2 = A + (2 * f + 2) * m;
-    for (int i = 0; i < c; ++i) {
-        const int j = p->limited[i], first = p->first[j], count = p->count[j];
+    double *by = state->column[1], *of_c = state->column[2], *of_next = state->column[3];
+    for (int j = c; j < r; ++j) by[j] = of_c[j] = of_next[j] = 0;
+    for (int i = 0; i < c; ++i) { /* value there with c_k, c_(k+1) here */
         const double weight = state->change_weight[(long long)k * c + i];
         const double before = state->change_before[(long long)k * c + i];
-        const double after = state->change_after[(long long)k * c + i];
-        const double *e0 = entry0 + p->place[j], *e1 = entry1 + p->place[j];
-        xu -= before * rate1[j];
-        ux -= after * rate0[j];
-        uu -= weight * rate0[j] * rate1[j];
-        const double here1 = -near1 * after + slope1 * weight * rate1[j]; /* value here with c_(k+1), c_(k+2) there */
-        const double here2 = -far1 * after - slope1 * weight * rate1[j];
-        const double there0 = -near0 * before + slope0 * weight * rate0[j]; /* value there with c_k, c_(k+1) here */
-        const double there1 = -far0 * before - slope0 * weight * rate0[j];
-        mrts_front_add_outer(count, m, -weight, e1, e0, A + (f + 1 + first) * m + first);
-        for (int l = 0; l < count; ++l) {
-            A[(f + 1 + first + l) * m + f] += there0 * e1[l];
-            of_c1[f + 1 + first + l] += there1 * e1[l];
-            of_c1[first + l] += here1 * e0[l];
-            of_c2[first + l] += here2 * e0[l];
-        }
+        by[i] = -weight;
+        xu -= before * rate1[i];
+        uu -= weight * rate0[i] * rate1[i];
+        of_c[i] = -near0 * before + slope0 * weight * rate0[i];
+        of_next[i] = -far0 * before - slope0 * weight * rate0[i];
     }
+    mrts_front_add_products(p, c, by, mrts_smooth_entry(p, k), mrts_smooth_entry(p, k + 1), state->column[0], A + next);
+    mrts_smooth_add_rows(p, k + 1, c, of_c, 1, A + f * m + next);
+    mrts_smooth_add_rows(p, k + 1, c, of_next, m, A + next * m + c1);
+    for (int i = 0; i < c; ++i) { /* value here with c_(k+1), c_(k+2) there */
+        const double after = state->change_after[(long long)k * c + i];
+        ux -= after * rate0[i];
+        of_c[i] = -near1 * after - slope1 * by[i] * rate1[i];
+        of_next[i] = -far1 * after + slope1 * by[i] * rate1[i];
+    }
+    mrts_smooth_add_rows(p, k, c, of_c, m, A + c1);
+    mrts_smooth_add_rows(p, k, c, of_next, m, A + c2);
     /* (x, u) of the nodes by (c_k, c_(k+1)) and (c_(k+1), c_(k+2)) */
     const double x1 = near1 * xx - slope1 * xu, x2 = far1 * xx + slope1 * xu;
     const double u1 = near1 * ux - slope1 * uu, u2 = far1 * ux + slope1 * uu;
-    of_c1[f] += near0 * x1 - slope0 * u1;
-    of_c2[f] += near0 * x2 - slope0 * u2;
-    of_c1[2 * f + 1] += 2 * (far0 * x1 + slope0 * u1);
-    of_c2[2 * f + 1] += far0 * x2 + slope0 * u2;
+    A[f * m + c1] += near0 * x1 - slope0 * u1;
+    A[f * m + c2] += near0 * x2 - slope0 * u2;
+    A[c1 * m + c1] += 2 * (far0 * x1 + slope0 * u1);
+    A[c1 * m + c2] += far0 * x2 + slope0 * u2;
 }
 
-/* Takes the row and column of an unknown out of a front of size m. */
-static void mrts_front_hold(int m, int i, double *A, double one) {
-    for (int l = 0; l < i; ++l) A[i * m + l] = 0;
-    for (int l = i + 1; l < m; ++l) A[l * m + i] = 0;
-    A[i * m + i] = one;
+/* Takes the row and column of an unknown out of a front. */
+static void mrts_front_hold(int stride, int i, double *A, double one) {
+    for (int l = 0; l < i; ++l) A[l * stride + i] = 0;
+    for (int l = i + 1; l < stride; ++l) A[i * stride + l] = 0;
+    A[i * stride + i] = one;
 }
 
-/* Products of some rows of `stride` with another one, from a column to before another. */
-static inline void mrts_front_dots(int count, int from, int to, int stride, const double *rows, const double *with,
-                                   double *sums) {
-    if (count < MRTS_FRONT_ROWS) {
-        for (int k = 0; k < count; ++k) sums[k] = mrts_dot(to - from, rows + k * stride + from, with + from);
-        return;
-    }
-    const double *a = rows, *b = a + stride, *c = b + stride, *d = c + stride;
-    double s0 = 0, s1 = 0, s2 = 0, s3 = 0; /* what is independent overlaps */
-    for (int l = from; l < to; ++l) {
-        const double by = with[l];
-        s0 += a[l] * by;
-        s1 += b[l] * by;
-        s2 += c[l] * by;
-        s3 += d[l] * by;
-    }
-    sums[0] = s0;
-    sums[1] = s1;
-    sums[2] = s2;
-    sums[3] = s3;
-}
-
-/* The first column of rows of a front that is not 0, at most p. */
-static int mrts_front_first(int rows, int p, int m, const double *A) {
-    for (int l = 0; l < p; ++l) {
-        for (int i = 0; i < rows; ++i) {
-            if (A[i * m + l] != 0) return l;
-        }
-    }
-    return p;
-}
-
-/* Eliminates the first p unknowns of a front of size m: their columns of the factor go to L, (m, p), what is left
- * stays in the lower triangle of A. Rows begin where they are not 0: unknowns of one corner of a box of loads meet
- * those of others only by what elimination fills in. */
-static void mrts_front_eliminate(int m, int p, double *A, const double *diagonal, double *L, double *starts) {
-    double sums[MRTS_FRONT_ROWS];
-    for (int i = 0; i < m; i += MRTS_FRONT_ROWS) {
-        const int rows = m - i < MRTS_FRONT_ROWS ? m - i : MRTS_FRONT_ROWS, done = i < p ? i : p;
-        const int start = mrts_front_first(rows, done, m, A + i * m);
-        double *row = L + i * p;
-        starts[i / MRTS_FRONT_ROWS] = start;
-        for (int k = 0; k < rows * p; ++k) row[k] = 0;
-        for (int j = start; j < done; ++j) {
-            mrts_front_dots(rows, start, j, p, row, L + j * p, sums);
-            for (int k = 0; k < rows; ++k) row[k * p + j] = (A[(i + k) * m + j] - sums[k]) * L[j * p + j];
-        }
-        for (int k = i; k < i + rows; ++k, row += p) { /* what the rows have between themselves */
-            for (int j = done; j < k && j < p; ++j) {
-                row[j] = (A[k * m + j] - mrts_dot(j - start, row + start, L + j * p + start)) * L[j * p + j];
+/* Eliminates the first unknowns of a front: their rows of the factor, as multiples of their pivots, whose reciprocals
+ * stand on the diagonal; what is left stays in the upper triangle of A. Unknowns of one corner of a box of loads meet those
+ * of others only by what elimination fills in: what is 0 takes no time. */
+static void mrts_front_eliminate(int pivots, int stride, double *A, const double *diagonal, double *factor) {
+    for (int k = 0; k < pivots; ++k) {
+        double *row = A + k * stride, *kept = factor + k * stride;
+        const double pivot = row[k] + MRTS_FRONT_SOFT * diagonal[k];
+        const double by = kept[k] = pivot > MRTS_FRONT_PIVOT * diagonal[k] ? 1 / pivot : 0;
+        for (int i = k + 1; i < stride; ++i) {
+            const double taken = kept[i] = by * row[i];
+            if (taken == 0) continue;
+            for (int j = i / MRTS_LANES * MRTS_LANES; j < stride; j += MRTS_LANES) {
+                *mrts_lanes_at(A, i * stride + j) -= taken * *mrts_lanes_at(row, j);
             }
-            if (k >= p) continue; /* a diagonal is kept as its reciprocal */
-            const double taken = mrts_dot(k - start, row + start, row + start);
-            const double pivot = A[k * m + k] + MRTS_FRONT_SOFT * diagonal[k] - taken;
-            row[k] = pivot > MRTS_FRONT_PIVOT * diagonal[k] ? 1 / sqrt(pivot) : 0;
-        }
-    }
-    for (int i = p; i < m; i += MRTS_FRONT_ROWS) {
-        const int rows = m - i < MRTS_FRONT_ROWS ? m - i : MRTS_FRONT_ROWS;
-        for (int j = p; j < i + rows; ++j) {
-            const int start = (int)starts[j / MRTS_FRONT_ROWS];
-            mrts_front_dots(rows, start, p, p, L + i * p, L + j * p, sums);
-            for (int k = 0; k < rows; ++k) A[(i + k) * m + j] -= sums[k];
         }
     }
 }
 
 /* Factors the matrix that the second derivatives of the state make. */
 static void mrts_front_factor(const mrts_smooth_program *p, mrts_smooth_state *state) {
-    const int n = p->nodes, f = p->free, size = f + 2;
-    double *A = state->fronts, *diagonal = A + (2 * f + 3) * (2 * f + 3), *carried = diagonal + size;
-    double *starts = carried + size * size, *factor = state->factor;
-    for (int i = 0; i < size * size; ++i) carried[i] = 0;
+    const int n = p->nodes, f = p->free, there = mrts_front_next(p), stride = mrts_front_stride(p);
+    double *A = state->fronts, *diagonal = A + stride * stride, *left = diagonal + f + 2;
+    for (int i = 0; i < stride * stride; ++i) A[i] = 0;
     for (int k = 0; k < n; ++k) {
-        const int last = k == n - 1, pivots = last ? size : f + 1;
-        const int m = last ? size : 2 * f + 3, next = last ? f + 1 : 2 * f + 1;
-        for (int i = 0; i < m * m; ++i) A[i] = 0;
-        for (int i = 0; i < size; ++i) {
-            double *row = A + (i < f + 1 ? i : next) * m;
-            for (int j = 0; j <= i; ++j) row[j < f + 1 ? j : next] = carried[i * size + j];
-        }
-        mrts_front_add_node(p, state, k, m, next, A, diagonal);
+        const int last = k == n - 1, pivots = last ? f + 2 : f + 1, next = last ? f + 1 : there + f;
+        mrts_front_add_node(p, state, k, next, A, diagonal);
         if (!last) mrts_front_add_segment(p, state, k, A);
-        for (int i = 0; i < f && mrts_front_held(p, k); ++i) mrts_front_hold(m, i, A, diagonal[i] = 1);
-        for (int i = 0; i < f && !last && mrts_front_held(p, k + 1); ++i) mrts_front_hold(m, f + 1 + i, A, 0);
-        if (mrts_front_given(p, k)) mrts_front_hold(m, f, A, diagonal[f] = 1);
-        if (mrts_front_given(p, k + 1)) mrts_front_hold(m, next, A, last ? (diagonal[f + 1] = 1) : 0);
-        if (!last && mrts_front_given(p, k + 2)) mrts_front_hold(m, 2 * f + 2, A, 0);
-        mrts_front_eliminate(m, pivots, A, diagonal, factor, starts);
-        factor += m * pivots;
-        for (int i = 0; i < size && !last; ++i) {
-            for (int j = 0; j <= i; ++j) carried[i * size + j] = A[(pivots + i) * m + pivots + j];
+        for (int i = 0; i < f && mrts_front_held(p, k); ++i) mrts_front_hold(stride, i, A, diagonal[i] = 1);
+        for (int i = 0; i < f && !last && mrts_front_held(p, k + 1); ++i) mrts_front_hold(stride, there + i, A, 0);
+        if (mrts_front_given(p, k)) mrts_front_hold(stride, f, A, diagonal[f] = 1);
+        if (mrts_front_given(p, k + 1)) mrts_front_hold(stride, next, A, last ? (diagonal[f + 1] = 1) : 0);
+        if (!last && mrts_front_given(p, k + 2)) mrts_front_hold(stride, next + 1, A, 0);
+        mrts_front_eliminate(pivots, stride, A, diagonal, state->factor + k * mrts_front_size(p));
+        const int after = k == n - 2 ? f + 1 : there + f; /* where the next front has the last of what is left */
+        for (int i = 0; i < f + 2 && !last; ++i) {
+            double *row = A + (i < f + 1 ? i : after) * stride;
+            mrts_smooth_copy(f + 2 - i, A + (there + i) * stride + there + i, left);
+            mrts_smooth_clear(stride, row);
+            for (int j = i; j < f + 2; ++j) row[j < f + 1 ? j : after] = left[j - i];
+        }
+        for (int i = f + 1; i < stride && !last; ++i) {
+            if (i != after) mrts_smooth_clear(stride, A + i * stride);
         }
     }
 }
 
-/* Solves for a right side in place; entries of what is given are 0 on return. */
-static void mrts_front_solve(const mrts_smooth_program *p, const double *factor, double *b) {
-    const int n = p->nodes, f = p->free, q = f + 1, m = 2 * f + 3;
-    for (int k = 0; k < n; ++k) { /* what is given does not move */
-        for (int i = 0; i < f && mrts_front_held(p, k); ++i) b[(long long)k * q + i] = 0;
-        if (mrts_front_given(p, k)) b[(long long)k * q + f] = 0;
-    }
-    if (mrts_front_given(p, n)) b[(long long)n * q] = 0;
+/* Takes the unknowns of front k from all, in its places; where c_(k+2) is among all. */
+static double *mrts_front_take(const mrts_smooth_program *p, int k, double *all, double *its) {
+    const int q = p->free + 1, last = k == p->nodes - 1, there = mrts_front_next(p);
+    double *here = all + (long long)k * q, *end = here + (k < p->nodes - 2 ? 2 * q + q - 1 : 2 * q);
+    mrts_smooth_copy(last ? q + 1 : q, here, its);
+    if (last) return 0;
+    mrts_smooth_copy(q, here + q, its + there);
+    its[there + q] = *end;
+    return end;
+}
+
+/* Solves for a right side in place, which is 0 at what is given. */
+static void mrts_front_solve(const mrts_smooth_program *p, const mrts_smooth_state *state, double *b) {
+    const int n = p->nodes, f = p->free, q = f + 1, there = mrts_front_next(p), stride = mrts_front_stride(p);
+    double *its = state->fronts;
+    mrts_smooth_clear(stride, its);
     for (int k = 0; k < n; ++k) {
-        const double *L = factor + (long long)k * m * q;
-        double *here = b + (long long)k * q;
-        const int pivots = k < n - 1 ? q : f + 2;
-        for (int i = 0; i < pivots; ++i) here[i] = (here[i] - mrts_dot(i, L + i * pivots, here)) * L[i * pivots + i];
-        if (k == n - 1) break;
-        for (int i = 0; i < q; ++i) here[q + i] -= mrts_dot(q, L + (q + i) * q, here);
-        here[k == n - 2 ? 2 * q : 2 * q + f] -= mrts_dot(q, L + 2 * q * q, here);
+        const int pivots = k < n - 1 ? q : q + 1;
+        const double *L = state->factor + k * mrts_front_size(p);
+        double *here = b + (long long)k * q, *end = mrts_front_take(p, k, b, its);
+        for (int i = 0; i < pivots; ++i) {
+            for (int j = i + 1; j < pivots; ++j) its[j] -= its[i] * L[i * stride + j];
+            here[i] = its[i] * L[i * stride + i];
+        }
+        if (!end) break;
+        for (int j = there; j < stride; j += MRTS_LANES) {
+            mrts_lanes sum = *mrts_lanes_at(its, j);
+            for (int i = 0; i < pivots; ++i) sum -= its[i] * *mrts_lanes_at(L, i * stride + j);
+            *mrts_lanes_at(its, j) = sum;
+        }
+        mrts_smooth_copy(q, its + there, here + q);
+        *end = its[there + q];
     }
     for (int k = n - 1; k >= 0; --k) {
-        const double *L = factor + (long long)k * m * q;
-        double *here = b + (long long)k * q;
-        const int pivots = k < n - 1 ? q : f + 2;
-        for (int i = q; i < m && k < n - 1; ++i) {
-            const double z = i < 2 * q ? here[i] : here[k == n - 2 ? 2 * q : 2 * q + f];
-            for (int j = 0; j < q; ++j) here[j] -= z * L[i * q + j];
+        const int pivots = k < n - 1 ? q : q + 1;
+        const double *L = state->factor + k * mrts_front_size(p);
+        const int joined = mrts_front_take(p, k, b, its) != 0;
+        for (int i = 0; i < pivots && joined; ++i) its[i] -= mrts_smooth_product(there, stride, L + i * stride, its);
+        for (int i = pivots - 1; i > 0; --i) {
+            for (int l = 0; l < i; ++l) its[l] -= its[i] * L[l * stride + i];
         }
-        for (int i = pivots - 1; i >= 0; --i) {
-            here[i] *= L[i * pivots + i];
-            for (int j = 0; j < i; ++j) here[j] -= here[i] * L[i * pivots + j];
-        }
+        mrts_smooth_copy(pivots, its, b + (long long)k * q);
     }
 }
 
-/* The gradient px, pu, pf as one along the unknowns. */
+/* The gradient px, pu, pf as one along the unknowns, 0 along what is given. */
 static void mrts_front_gather(const mrts_smooth_program *p, const mrts_smooth_state *state, double *b) {
     const int f = p->free, q = f + 1;
     const double *gx = state->px, *gu = state->pu, *gf = state->pf;
     double passed = 0;
     for (int k = 0; k < p->nodes; ++k) {
         double *here = b + (long long)k * q;
-        for (int i = 0; i < f; ++i) here[i] = gf[(long long)k * f + i];
-        here[f] = passed + state->near[k] * gx[k] - state->slope[k] * gu[k];
+        for (int i = 0; i < f; ++i) here[i] = mrts_front_held(p, k) ? 0 : gf[(long long)k * f + i];
+        here[f] = mrts_front_given(p, k) ? 0 : passed + state->near[k] * gx[k] - state->slope[k] * gu[k];
         passed = state->far[k] * gx[k] + state->slope[k] * gu[k];
     }
-    b[(long long)p->nodes * q] = passed;
+    b[(long long)p->nodes * q] = mrts_front_given(p, p->nodes) ? 0 : passed;
 }
 
 /* The step b of the unknowns as one of x, u and F. */
@@ -891,22 +898,24 @@ MRTS_EXPORT long long mrts_smooth_kept(const mrts_smooth_program *p) {
 /* A state laid out in memory, the gradients' parts and those of the steps in a row; how many reals it takes. */
 static long long mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *at) {
     const long long n = p->nodes, r = p->rows, f = n * p->free, nr = n * r, cones = n * p->cones, c = p->changes;
-    const long long slots = mrts_smooth_share_slot(p) + 1, unknowns = mrts_front_unknowns(p);
+    const long long slots = (mrts_smooth_share_slot(p) / MRTS_LANES + 1) * MRTS_LANES;
+    const long long unknowns = mrts_front_unknowns(p), stride = mrts_front_stride(p);
     const struct {
         double **of;
         long long size;
     } parts[] = {
         {&at->x, n}, {&at->u, n}, {&at->near, n}, {&at->far, n}, {&at->slope, n}, {&at->around, n}, {&at->root_around, n},
         {&at->by_time, n}, {&at->time_x, n}, {&at->time_x1, n}, {&at->duration_x, n}, {&at->free, f}, {&at->control, n + 1},
-        {&at->by_change, c}, {&at->value, nr}, {&at->above, nr}, {&at->below, nr}, {&at->above_x, nr}, {&at->below_x, nr},
+        {&at->by_change, mrts_lanes_whole(p->changes)}, {&at->value, nr}, {&at->above, nr}, {&at->below, nr}, {&at->above_x, nr}, {&at->below_x, nr},
         {&at->row_weight, nr}, {&at->row_cross, nr}, {&at->cone_u, cones}, {&at->cone_x, cones}, {&at->cone_root, cones},
         {&at->change_weight, n * c}, {&at->change_before, n * c}, {&at->change_after, n * c}, {&at->node_second, 3 * n},
         {&at->row_share, nr}, {&at->share_second, 3 * n},
-        {&at->segment_second, 4 * n}, {&at->pressing, r}, {&at->holding, r}, {&at->s, slots}, {&at->y, slots},
+        {&at->segment_second, 4 * n}, {&at->pressing, r}, {&at->holding, r}, {&at->column[0], r},
+        {&at->column[1], r}, {&at->column[2], r}, {&at->column[3], r}, {&at->s, slots}, {&at->y, slots},
         {&at->by_s, slots}, {&at->weight, slots}, {&at->missed, slots}, {&at->ds, slots}, {&at->dy, slots},
-        {&at->target, slots}, {&at->before, slots}, {&at->gx, n}, {&at->gu, n}, {&at->gf, f}, {&at->px, n}, {&at->pu, n},
-        {&at->pf, f}, {&at->b, unknowns}, {&at->w, unknowns}, {&at->border, unknowns}, {&at->factor, mrts_front_size(p)},
-        {&at->fronts, mrts_front_work(p)}, {&at->kept, mrts_smooth_kept(p)},
+        {&at->target, slots}, {&at->gx, n}, {&at->gu, n}, {&at->gf, f}, {&at->px, n}, {&at->pu, n},
+        {&at->pf, f}, {&at->b, unknowns}, {&at->w, unknowns}, {&at->border, unknowns}, {&at->factor, n * mrts_front_size(p)},
+        {&at->fronts, stride * (stride + 2)}, {&at->kept, mrts_smooth_kept(p)},
     };
     long long taken = 0;
     for (unsigned i = 0; i < sizeof parts / sizeof *parts; taken += parts[i++].size) {
@@ -943,14 +952,6 @@ static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_state 
     for (long long i = 0; i < at->slots; ++i) at->present += at->y[i] > 0;
 }
 
-static void mrts_smooth_clear(long long count, double *a) {
-    for (long long i = 0; i < count; ++i) a[i] = 0;
-}
-
-static void mrts_smooth_copy(long long count, const double *from, double *to) {
-    for (long long i = 0; i < count; ++i) to[i] = from[i];
-}
-
 /* The slope of the Lagrangian along the share, with multipliers y. */
 static double mrts_smooth_share_slope(const mrts_smooth_program *p, const double *y) {
     const long long last = mrts_smooth_share_slot(p);
@@ -967,7 +968,7 @@ static double mrts_smooth_decrement(const mrts_smooth_program *p, mrts_smooth_st
     mrts_smooth_pulled(p, at, at->y);
     mrts_front_gather(p, at, at->b);
     mrts_smooth_copy(unknowns, at->b, at->w);
-    mrts_front_solve(p, at->factor, at->w);
+    mrts_front_solve(p, at, at->w);
     for (long long i = 0; i < unknowns; ++i) sum += at->b[i] * at->w[i];
     if (p->relaxed > 0) {
         const double slope = mrts_smooth_share_slope(p, at->y);
@@ -987,7 +988,7 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
     mrts_smooth_pulled(p, at, at->target);
     mrts_front_gather(p, at, at->b);
     for (long long i = 0; i < unknowns; ++i) at->b[i] = -at->b[i];
-    mrts_front_solve(p, at->factor, at->b);
+    mrts_front_solve(p, at, at->b);
     double along = 0; /* the border: the step of the share, or less what the duration's slot adds to its multiplier */
     if (mrts_smooth_bordered(p, at)) {
         const double slope = p->relaxed > 0 ? mrts_smooth_share_slope(p, at->target) : 0;
@@ -1002,20 +1003,20 @@ static void mrts_smooth_newton(const mrts_smooth_program *p, mrts_smooth_state *
         at->ds[mrts_smooth_share_slot(p)] = -along;
     }
     if (at->y[last] > 0) at->ds[last] = -along * at->s[last] / at->y[last]; /* its own sum would cancel */
-    double most = 1 / MRTS_SMOOTH_BOUNDARY, up = most, x = 1 / (1 - MRTS_SMOOTH_LEAST);
-    for (long long i = 0; i < at->slots; ++i) {
-        const double moved = at->ds[i], ds = -at->missed[i] - moved;
-        const double dy = at->target[i] - at->y[i] + at->weight[i] * moved;
-        at->ds[i] = ds;
-        at->dy[i] = dy;
-        if (-ds * most > at->s[i]) most = -at->s[i] / ds;
-        if (-dy * up > at->y[i]) up = -at->y[i] / dy;
+    mrts_lanes fall = mrts_each(MRTS_SMOOTH_BOUNDARY), dual_fall = fall; /* of slacks and multipliers in the whole step */
+    for (long long i = 0; i < at->slots; i += MRTS_LANES) {
+        mrts_lanes *ds = mrts_lanes_at(at->ds, i), *dy = mrts_lanes_at(at->dy, i), y = *mrts_lanes_at(at->y, i);
+        *dy = *mrts_lanes_at(at->target, i) - y + *mrts_lanes_at(at->weight, i) * *ds;
+        *ds = -*mrts_lanes_at(at->missed, i) - *ds;
+        fall = mrts_larger_lanes(-*ds * *mrts_lanes_at(at->by_s, i), fall);
+        dual_fall = mrts_larger_lanes(-*dy / y, dual_fall); /* 0 / 0 where there is no limit is not larger */
     }
+    double x = 1 / (1 - MRTS_SMOOTH_LEAST);
     for (long long k = 0; k < n; ++k) {
         if (-at->px[k] * x > at->x[k]) x = -at->x[k] / at->px[k];
     }
-    at->slack_reach = most;
-    at->dual_reach = up;
+    at->slack_reach = 1 / mrts_largest_lane(fall);
+    at->dual_reach = 1 / mrts_largest_lane(dual_fall);
     at->x_reach = x;
 }
 
@@ -1033,19 +1034,17 @@ static void mrts_smooth_answer_border(const mrts_smooth_program *p, mrts_smooth_
     double along = at->weight[mrts_smooth_share_slot(p)];
     mrts_smooth_clear(n * (2 + p->free), at->px);
     if (p->relaxed > 0) {
-        mrts_smooth_clear(at->slots, at->before);
-        for (long long i = 0; i < last; ++i) {
-            if (!mrts_smooth_relaxes(p, i)) continue;
-            at->before[i] = at->weight[i];
-            along += at->weight[i];
+        for (long long i = 0; i < last; ++i) { /* multipliers' steps are found later */
+            at->dy[i] = mrts_smooth_relaxes(p, i) ? at->weight[i] : 0;
+            along += at->dy[i];
         }
-        mrts_smooth_pulled(p, at, at->before);
+        mrts_smooth_pulled(p, at, at->dy);
     } else {
         for (long long k = 0; k < n; ++k) at->px[k] = at->duration_x[k] / p->longest;
     }
     mrts_front_gather(p, at, at->border);
     mrts_smooth_copy(unknowns, at->border, at->w);
-    mrts_front_solve(p, at->factor, at->w);
+    mrts_front_solve(p, at, at->w);
     const double answered = mrts_dot((int)unknowns, at->border, at->w);
     at->pull = p->relaxed > 0 ? along - answered : -at->s[last] / at->y[last] - answered;
     if (p->relaxed > 0 && !(at->pull > MRTS_SMOOTH_ROUNDING * along)) at->pull = MRTS_SMOOTH_ROUNDING * along;
@@ -1054,27 +1053,35 @@ static void mrts_smooth_answer_border(const mrts_smooth_program *p, mrts_smooth_
 /* One iteration from an evaluated point; the length of its step. */
 static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_state *at, double gap, double size) {
     const double mean = gap / at->present;
-    for (long long i = 0; i < at->slots; ++i) {
-        at->by_s[i] = at->y[i] > 0 ? 1 / at->s[i] : 0;
-        at->weight[i] = at->y[i] * at->by_s[i];
-        at->target[i] = at->weight[i] * at->missed[i];
+    for (long long i = 0; i < at->slots; i += MRTS_LANES) {
+        const mrts_lanes y = *mrts_lanes_at(at->y, i), by_s = mrts_choose(y > 0, 1 / *mrts_lanes_at(at->s, i), mrts_each(0));
+        *mrts_lanes_at(at->by_s, i) = by_s;
+        *mrts_lanes_at(at->weight, i) = y * by_s;
+        *mrts_lanes_at(at->target, i) = y * by_s * *mrts_lanes_at(at->missed, i);
     }
     mrts_smooth_second(p, at);
     mrts_front_factor(p, at);
     if (mrts_smooth_bordered(p, at)) mrts_smooth_answer_border(p, at);
     mrts_smooth_newton(p, at);
-    double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1), left = 0;
-    for (long long i = 0; i < at->slots; ++i) left += (at->s[i] + length * at->ds[i]) * (at->y[i] + dual * at->dy[i]);
-    const double share = left / gap, least = MRTS_SMOOTH_AIM * size / at->present;
+    double length = mrts_smooth_length(at, 1), dual = mrts_smooth_dual_length(at, 1);
+    mrts_lanes left = {0};
+    for (long long i = 0; i < at->slots; i += MRTS_LANES) {
+        left += (*mrts_lanes_at(at->s, i) + length * *mrts_lanes_at(at->ds, i)) *
+                (*mrts_lanes_at(at->y, i) + dual * *mrts_lanes_at(at->dy, i));
+    }
+    const double share = mrts_lane_sum(left) / gap, least = MRTS_SMOOTH_AIM * size / at->present;
     double centre = share * share * share * mean;
     if (centre < least) centre = least;
-    for (long long i = 0; i < at->slots; ++i) at->target[i] += (centre - at->ds[i] * at->dy[i]) * at->by_s[i];
+    for (long long i = 0; i < at->slots; i += MRTS_LANES) {
+        const mrts_lanes both = *mrts_lanes_at(at->ds, i) * *mrts_lanes_at(at->dy, i);
+        *mrts_lanes_at(at->target, i) += (centre - both) * *mrts_lanes_at(at->by_s, i);
+    }
     mrts_smooth_newton(p, at);
     length = mrts_smooth_length(at, MRTS_SMOOTH_BOUNDARY);
     dual = mrts_smooth_dual_length(at, MRTS_SMOOTH_BOUNDARY);
-    for (long long i = 0; i < at->slots; ++i) {
-        at->s[i] += length * at->ds[i];
-        at->y[i] += dual * at->dy[i];
+    for (long long i = 0; i < at->slots; i += MRTS_LANES) {
+        *mrts_lanes_at(at->s, i) += length * *mrts_lanes_at(at->ds, i);
+        *mrts_lanes_at(at->y, i) += dual * *mrts_lanes_at(at->dy, i);
     }
     at->share += length * at->share_step;
     if (!p->timed) {
@@ -1089,7 +1096,8 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
 
 static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *at) {
     const double *of[] = {at->s, at->y, at->free, at->control, &at->unit};
-    const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
+    const long long slots = mrts_smooth_share_slot(p) + 1;
+    const long long counts[] = {slots, slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
     double *kept = at->kept;
     for (int i = 0; i < 5; kept += counts[i++]) mrts_smooth_copy(counts[i], of[i], kept);
 }
@@ -1097,15 +1105,16 @@ static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *at
 /* Takes the iterate that was kept of a program that is near, but what is given; a slot that had no limit there begins at
  * the centre. */
 static void mrts_smooth_take_kept(const mrts_smooth_program *p, mrts_smooth_state *at) {
-    const double *s = at->kept, *y = s + at->slots, *free = y + at->slots, *control = free + (long long)p->nodes * p->free;
+    const long long slots = mrts_smooth_share_slot(p) + 1;
+    const double *s = at->kept, *y = s + slots, *free = y + slots, *control = free + (long long)p->nodes * p->free;
     double gap = 0;
     int both = 0;
-    for (long long i = 0; i < at->slots; ++i) {
+    for (long long i = 0; i < slots; ++i) {
         if (!(at->y[i] > 0 && y[i] > 0)) continue;
         gap += s[i] * y[i];
         ++both;
     }
-    for (long long i = 0; i < at->slots; ++i) {
+    for (long long i = 0; i < slots; ++i) {
         const int is = at->y[i] > 0, was = y[i] > 0;
         at->s[i] = !is ? MRTS_INFINITY : was ? s[i] : MRTS_SMOOTH_SLACK;
         at->y[i] = !is ? 0 : was ? y[i] : gap / (both * MRTS_SMOOTH_SLACK);
@@ -1151,14 +1160,20 @@ static mrts_smooth_distance mrts_smooth_judge(const mrts_smooth_program *p, mrts
     g[mrts_smooth_share_slot(p)] = -at->share;
     if (first) mrts_smooth_first(p, at);
     is.objective += p->relaxed * at->share;
-    for (long long i = 0; i < at->slots; ++i) {
-        if (mrts_smooth_relaxes(p, i)) at->missed[i] -= at->share;
-        at->missed[i] = at->y[i] > 0 ? at->missed[i] + at->s[i] : 0;
-        is.gap += at->s[i] * at->y[i];
-        const double missed = MRTS_ABS(at->missed[i]);
-        if (is.missed == is.missed && !(missed <= is.missed)) is.missed = missed; /* what is no number stays */
-        if (at->y[i] > is.largest) is.largest = at->y[i];
+    for (long long i = 0; i < at->slots && p->relaxed > 0; ++i) g[i] -= mrts_smooth_relaxes(p, i) ? at->share : 0;
+    mrts_lanes missed = {0}, gap = missed, largest = missed, sum = missed;
+    for (long long i = 0; i < at->slots; i += MRTS_LANES) {
+        const mrts_lanes s = *mrts_lanes_at(at->s, i), y = *mrts_lanes_at(at->y, i);
+        const mrts_lanes its = mrts_choose(y > 0, *mrts_lanes_at(g, i) + s, mrts_each(0));
+        *mrts_lanes_at(g, i) = its;
+        gap += s * y;
+        sum += its;
+        missed = mrts_larger_lanes(mrts_sizes(its), missed);
+        largest = mrts_larger_lanes(y, largest);
     }
+    is.gap = mrts_lane_sum(gap);
+    is.missed = mrts_largest_lane(missed) + 0 * mrts_lane_sum(sum); /* what is no number stays */
+    is.largest = mrts_largest_lane(largest);
     return is;
 }
 

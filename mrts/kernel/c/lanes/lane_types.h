@@ -24,6 +24,14 @@ static inline int mrts_any(mrts_lane_mask mask) { return (mask[0] | mask[1] | ma
 
 static inline mrts_lanes mrts_larger_lanes(mrts_lanes a, mrts_lanes b) { return mrts_choose(a > b, a, b); }
 
+static inline double mrts_largest_lane(mrts_lanes a) {
+    return mrts_larger(mrts_larger(a[0], a[1]), mrts_larger(a[2], a[3]));
+}
+static inline double mrts_lane_sum(mrts_lanes a) { return (a[0] + a[1]) + (a[2] + a[3]); }
+
+/* Numbers of an array that stand one after the other. */
+static inline mrts_lanes *mrts_lanes_at(const double *a, long long i) { return (mrts_lanes *)(void *)(a + i); }
+
 static inline mrts_lanes mrts_sizes(mrts_lanes a) {
     return (mrts_lanes)((mrts_lane_mask)a & ~(mrts_lane_mask)(-(mrts_lanes){0}));
 }
