@@ -256,7 +256,7 @@ def solve_grasps(
         places[-1] = None
     q = np.array(start, dtype=np.float64, order="C")
     gap, turn, drift = np.zeros((3, count, library.robots))
-    library.opened.mrts_hold(count, tracking_rule(cell), steps, places, strides, q, *rates, gap, turn, drift)
+    library.following.mrts_hold(count, tracking_rule(cell), steps, places, strides, q, *rates, gap, turn, drift)
     return q, gap, turn, drift
 
 

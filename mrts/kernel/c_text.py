@@ -7,19 +7,16 @@ from itertools import accumulate
 from pathlib import Path
 from posixpath import dirname, join, normpath
 
-from mrts.base.manifest import LOAD_ENTRIES, Manifest
+from mrts.base.manifest import LOAD_ENTRIES, OF_MOTION, Manifest
 
-PROGRAM_FILES = ("batch.c", "projections.c")
-"""The programs, which need no cell."""
+BATCH, PROJECTIONS, SMOOTH = "batch.c", "projections.c", "smooth_timing.c"
+"""Programs, which need no cell: each is a library of its own, compiled once for all cells."""
 
-TRACKING_FILES = ("tracking.c",)
+TRACKING = "tracking.c"
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
-CELL_FILES = (*PROGRAM_FILES, *TRACKING_FILES, "trajectory.c", "widening.c", "arm_tips.c")
-"""All of the kernel; the last files need a cell's sizes and generated functions."""
-
-SMOOTH = "smooth_timing.c"
-"""The program of smooth timing, which needs no cell either."""
+CELL_FILES = ("trajectory.c", "widening.c", "arm_tips.c")
+"""What needs a cell's sizes, and generated functions in lanes."""
 
 SMOOTH_LEVEL = """#if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O2")
@@ -65,8 +62,8 @@ def one_text(names: tuple[str, ...]) -> str:
     return "\n".join(text(name) for name in names)
 
 
-def cell_macros(manifest: Manifest) -> dict[str, int | str]:
-    """Sizes of a cell and its generated functions; if these are of the motion of its joints alone, what that takes."""
+def motion_macros(manifest: Manifest) -> dict[str, int | str]:
+    """Sizes of a cell's arms and the generated functions of their motion."""
     symbol = {name: record.symbol for name, record in manifest.functions.items()}
     components, joints = len(manifest.cell.wrench_components), [len(robot.joints) for robot in manifest.cell.robots]
     first = list(accumulate(joints, initial=0))
@@ -85,16 +82,20 @@ def cell_macros(manifest: Manifest) -> dict[str, int | str]:
         macros["MRTS_REDUNDANT"] = 1
         macros["MRTS_GEOMETRIC_STIFFNESS"] = symbol["geometric_stiffness"]
         macros["MRTS_GEOMETRIC_STIFFNESS_RATE"] = symbol["geometric_stiffness_rate"]
-    if "wrench_form" not in manifest.functions:
-        return macros
+    return macros
+
+
+def cell_macros(manifest: Manifest) -> dict[str, int | str]:
+    """Sizes of a cell and its generated functions."""
+    components, arms = len(manifest.cell.wrench_components), len(manifest.cell.robots)
     sizes = [rows * columns for rows, columns in manifest.functions["wrench_form"].inputs.values()]
-    return macros | {
-        "MRTS_WRENCHES": components * len(manifest.cell.robots),
+    return motion_macros(manifest) | {
+        "MRTS_WRENCHES": components * arms,
         "MRTS_INPUTS": len(sizes),  # of the wrench form
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
         "MRTS_INPUT_NUMBERS": sum(sizes),
         "MRTS_GEOMETRY_NUMBERS": [*manifest.functions["kinematics"].inputs.values()][-1][0],
-        "MRTS_UNKNOWNS": components * (len(manifest.cell.robots) - 1) + 1,  # wrenches of all arms but the last, and c²
+        "MRTS_UNKNOWNS": components * (arms - 1) + 1,  # wrenches of all arms but the last, and c²
         **{f"MRTS_{name.upper()}_LANES": f"{manifest.functions[name].symbol}_lanes" for name in IN_LANES},
     }
 
@@ -104,24 +105,23 @@ def _defined(macros: dict[str, int | str]) -> str:
 
 
 def motion_source(manifest: Manifest, generated: str) -> str:
-    """The C text of a library that only follows: the functions of a cell's motion, sizes, inverse kinematics."""
-    return f"{generated}\n{_defined(cell_macros(manifest))}{one_text(TRACKING_FILES)}"
+    """The C text of a library that follows: the functions of a cell's motion, sizes, inverse kinematics."""
+    of_motion = function_source(manifest, generated, *(name for name in OF_MOTION if name in manifest.functions))
+    return f"{of_motion}\n{_defined(motion_macros(manifest))}{one_text((TRACKING,))}"
 
 
 def cell_source(manifest: Manifest, generated: str) -> str:
-    """The C text of a cell's library: generated functions but the seldom ones, sizes, the whole kernel."""
-    head, functions = _functions(generated)
-    seldom = {record.symbol for name, record in manifest.functions.items() if name in (*SELDOM, "wrench_form")}
-    often = head + "".join(text for symbol, text in functions.items() if symbol not in seldom)
-    in_lanes = (functions.get(manifest.functions[name].symbol, "") for name in IN_LANES)
-    of_lanes = one_file("lanes/model_of_lanes.inc") + "".join(in_lanes)
-    return f"{often}\n{_defined(cell_macros(manifest))}{one_text(CELL_FILES)}\n{of_lanes}\n"
+    """The C text of a cell's library: sizes, what of the kernel works in lanes, and generated functions for these."""
+    _, functions = _functions(generated)
+    in_lanes = "".join(functions.get(manifest.functions[name].symbol, "") for name in IN_LANES)
+    of_lanes = one_file("lanes/model_of_lanes.inc") + in_lanes
+    return f"{_defined(cell_macros(manifest))}{one_text(CELL_FILES)}\n{of_lanes}\n"
 
 
-def function_source(generated: str, symbol: str) -> str:
-    """The C text of a library of one generated function."""
+def function_source(manifest: Manifest, generated: str, *names: str) -> str:
+    """The C text of a library of some generated functions."""
     head, functions = _functions(generated)
-    return head + functions.get(symbol, "")
+    return head + "".join(functions.get(manifest.functions[name].symbol, "") for name in names)
 
 
 def override_source(manifest: Manifest, generated: str) -> str:
@@ -135,7 +135,7 @@ def override_source(manifest: Manifest, generated: str) -> str:
         "CELL_MOTORS": 1,
         "cell_model_played_torques": record.symbol,
     }
-    return f"{function_source(generated, record.symbol)}\n{_defined(macros)}{one_text((OVERRIDE,))}"
+    return f"{function_source(manifest, generated, 'played_torques')}\n{_defined(macros)}{one_text((OVERRIDE,))}"
 
 
 def _functions(generated: str) -> tuple[str, dict[str, str]]:

@@ -3,32 +3,32 @@
 
 import ctypes
 from collections.abc import Callable, Collection
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.manifest import FunctionRecord, Manifest
+from mrts.base.manifest import OF_MOTION, FunctionRecord, Manifest
 from mrts.kernel.binding import HEAD, POINTER, keep_freed_memory
-from mrts.kernel.c_text import SELDOM
 
 
 class CellLibrary:
-    """The library of one cell.
+    """The libraries of one cell: `following`, what following a motion takes, and `opened`, all else over its samples.
 
     `unknowns` are the wrenches of all arms but the last, and c²; `wrenches` are those of all.
 
     Args:
-        manifest: Manifest of the cell.
-        opened: The library; it may hold what following a motion takes, and nothing else.
-        seldom: Gives the library of a generated function that this one lacks, by short name.
+        manifest: Manifest of the cell; where it has functions of the motion alone, nothing else is opened.
+        part: Gives the library "motion", "cell", or one of a generated function that is in neither.
     """
 
-    def __init__(
-        self, manifest: Manifest, opened: ctypes.CDLL, seldom: Callable[[str], ctypes.CDLL] | None = None
-    ) -> None:
+    def __init__(self, manifest: Manifest, part: Callable[[str], ctypes.CDLL]) -> None:
         keep_freed_memory()
-        self.opened, self.records, self._seldom = opened, manifest.functions, seldom
+        self.records, self._part = manifest.functions, cache(part)
+        self.following = part("motion")
+        if "wrench_form" in self.records:
+            self.opened = part("cell")
         self.robots, components = len(manifest.cell.robots), len(manifest.cell.wrench_components)
         self.joints = sum(len(robot.joints) for robot in manifest.cell.robots)
         self.unknowns, self.wrenches = components * (self.robots - 1) + 1, components * self.robots
@@ -56,14 +56,14 @@ class CellLibrary:
                 still, _ = sample_inputs(record, samples, inputs | moves | rests)
                 moving = pointers([np.empty(size) for size in sizes])
             of = self.address(name), samples, len(strides), given, still, strides
-            self.opened.mrts_map(*of, len(sizes), places, sizes, ahead, moving)
+            self.following.mrts_map(*of, len(sizes), places, sizes, ahead, moving)
         for output, value in outputs.items():
             outputs[output] = value[:, 0] if value.shape[1] == 1 else value.transpose(0, 2, 1)
         return outputs
 
     def address(self, function: str) -> ctypes.c_void_p:
         """Of a generated function, by its short name."""
-        held_by = self.opened if self._seldom is None or function not in SELDOM else self._seldom(function)
+        held_by = self.following if function in OF_MOTION else self._part(function)
         return ctypes.cast(getattr(held_by, self.records[function].symbol), ctypes.c_void_p)
 
 

@@ -2,13 +2,14 @@
 """Small dense programs in C: batches of any size in one foreign call."""
 
 import ctypes
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import INFINITY, work_arrays
-from mrts.kernel.c_text import PROGRAM_FILES, one_text
+from mrts.kernel.c_text import BATCH, PROJECTIONS, SMOOTH, SMOOTH_LEVEL, one_text
 from mrts.kernel.compiler import compiled_library
 
 CORNERS = 64
@@ -18,19 +19,11 @@ OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""
 
 
-_opened: list[ctypes.CDLL] = []
-
-
-def offer_programs(library: ctypes.CDLL) -> None:
-    """Take the programs from a cell's library, unless one is open: what is compiled once need not be again."""
-    if not _opened:
-        _opened.append(library)
-
-
-def _library() -> ctypes.CDLL:
-    if not _opened:
-        _opened.append(compiled_library("mrts_programs", one_text(PROGRAM_FILES), PROGRAM_FILES))
-    return _opened[0]
+@cache
+def program_library(file: str) -> ctypes.CDLL:
+    """The library of a file of programs, compiled when one of them is first asked, once for all cells."""
+    text = SMOOTH_LEVEL * (file == SMOOTH) + one_text((file,))
+    return compiled_library(f"mrts_{file.removesuffix('.c')}", text, (file,))
 
 
 def solve_batch(
@@ -48,8 +41,8 @@ def solve_batch(
     count, rows, k = A.shape
     arrays = [array if array is None else np.clip(array, -INFINITY, INFINITY) for array in (H, g, A, lower, upper)]
     x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
-    work = work_arrays(_library(), "mrts_batch", k, rows)
-    _library().mrts_solve_batch(count, k, rows, *arrays, x, dual, status, *work)
+    work = work_arrays(program_library(BATCH), "mrts_batch", k, rows)
+    program_library(BATCH).mrts_solve_batch(count, k, rows, *arrays, x, dual, status, *work)
     return x, dual, status
 
 
@@ -69,8 +62,8 @@ def speed_intervals(
     given = [np.clip(array, -INFINITY, INFINITY) for array in (A, lower, upper, column, speed, most)]
     low, high, gap = np.zeros((3, count))
     dual, status = np.zeros((2, count, rows)), np.full(count, STOPPED, dtype=np.uint8)
-    work = work_arrays(_library(), "mrts_batch", k, rows)
-    _library().mrts_interval_batch(count, k, rows, *given, low, high, gap, *dual, status, *work)
+    work = work_arrays(program_library(BATCH), "mrts_batch", k, rows)
+    program_library(BATCH).mrts_interval_batch(count, k, rows, *given, low, high, gap, *dual, status, *work)
     high[high >= INFINITY] = np.inf
     return low, high, gap, dual, status
 
@@ -97,9 +90,9 @@ def projections(
     taken = np.arange(all_rows, dtype=np.int32) if rows is None else rows
     number, corners = np.zeros(count, dtype=np.int32), np.empty((count * CORNERS, 2))
     status = np.full(count, STOPPED, dtype=np.uint8)
-    work = work_arrays(_library(), "mrts_project_batch", k, len(taken))
+    work = work_arrays(program_library(PROJECTIONS), "mrts_project_batch", k, len(taken))
     given = count, k, all_rows, len(taken), taken, A, lower, upper, scale, *bounds
-    _library().mrts_project_batch(*given, number, corners, status, *work)
+    program_library(PROJECTIONS).mrts_project_batch(*given, number, corners, status, *work)
     return number, corners[: number.sum()], status
 
 
@@ -129,7 +122,7 @@ def half_planes(
     start = np.zeros(count + 1, dtype=np.int64)
     planes, low, high = np.empty((len(corners) + 2 * count * (len(alone) + 1), 3)), np.empty(count), np.empty(count)
     given = count, k, rows, len(alone), alone, *samples, scale, number, corners, most, bound
-    _library().mrts_half_planes(*given, start, planes, low, high)
+    program_library(PROJECTIONS).mrts_half_planes(*given, start, planes, low, high)
     return start, planes[: start[-1]], low, high
 
 
@@ -159,8 +152,8 @@ def scales(
     found, scale, cap = np.full(1, bound or 0.0), np.zeros((count, k)), np.zeros(count)
     bounds = np.zeros((count, 2)), np.zeros((count, 2))
     given = count, k, all_rows, len(rows), len(caps), np.concatenate([rows, caps]), *samples, length, max(ends)
-    work = work_arrays(_library(), "mrts_project_batch", k, len(rows))
-    _library().mrts_scales(*given, found, scale, *bounds, cap, *work)
+    work = work_arrays(program_library(PROJECTIONS), "mrts_project_batch", k, len(rows))
+    program_library(PROJECTIONS).mrts_scales(*given, found, scale, *bounds, cap, *work)
     return float(found[0]), scale, bounds, cap
 
 
@@ -177,4 +170,5 @@ def fastest_speeds(
         nearest to `first` on, Shape (n,).
     """
     x, work = np.full(len(step) + 1, first), np.empty(4 * len(planes) + 8)
-    return int(_library().mrts_fastest(len(step), step, rise, start, planes, lower, upper, x, work)), x
+    given = len(step), step, rise, start, planes, lower, upper, x, work
+    return int(program_library(PROJECTIONS).mrts_fastest(*given)), x

@@ -55,7 +55,7 @@ def follow_variants(
     q, dq, ddq = np.zeros((3, variants, samples, m))
     outcome = np.zeros((variants, library.robots), dtype=OUTCOME)
     outcome["code"][refused] = REFUSED
-    library.opened.mrts_follow(variants, samples, rule, further, arrays, strides, q, dq, ddq, outcome)
+    library.following.mrts_follow(variants, samples, rule, further, arrays, strides, q, dq, ddq, outcome)
     return q, dq, ddq, outcome
 
 

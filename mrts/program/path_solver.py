@@ -6,7 +6,6 @@ They are solved by our own interior point; see mrts/kernel/c/smooth_timing.c.
 
 import ctypes
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,8 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import Progress
 from mrts.kernel.binding import INFINITY, interruptible
-from mrts.kernel.c_text import SMOOTH, SMOOTH_LEVEL, one_text
-from mrts.kernel.compiler import compiled_library
+from mrts.kernel.c_text import SMOOTH
+from mrts.kernel.programs import program_library
 from mrts.program.smooth_program import (
     LEAST_EFFORT,
     PROGRAM,
@@ -209,7 +208,7 @@ class KernelSolver:
         given.time, given.effort, given.uneven = goal.time, goal.effort, goal.uneven
         given.longest = INFINITY if goal.longest is None else goal.longest
         given.given_start, given.given_end = given.given_start and not timed, given.given_end and not timed
-        library, share, iterations = _library(), ctypes.c_double(), ctypes.c_int()
+        library, share, iterations = program_library(SMOOTH), ctypes.c_double(), ctypes.c_int()
         work = np.empty(library.mrts_smooth_work(given))
         left = work[-library.mrts_smooth_kept(given) :]
         if kept is not None:
@@ -247,11 +246,6 @@ def _at_nodes(before: Array, kept: Array, sigma: Array, free: int) -> Array | No
     at = np.concatenate([sigma[:1], (sigma[1:] + sigma[:-1]) / 2, sigma[-1:]])
     was = np.concatenate([before[:1], (before[1:] + before[:-1]) / 2, before[-1:]])
     return np.concatenate([slots.ravel(), F.T.ravel(), np.interp(at, was, control), unit])
-
-
-@lru_cache(maxsize=1)
-def _library() -> ctypes.CDLL:
-    return compiled_library("mrts_smooth", SMOOTH_LEVEL + one_text((SMOOTH,)), (SMOOTH,))
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ from conftest import ROOT
 from shipped_cells import sizes_of
 
 from mrts.kernel.binding import bind, structure
-from mrts.kernel.c_text import one_text
-from mrts.program.path_solver import PROGRAM, _library
+from mrts.kernel.c_text import BATCH, SMOOTH, one_text
+from mrts.kernel.programs import program_library
+from mrts.program.path_solver import PROGRAM
 
 C = ROOT / "mrts" / "kernel" / "c"
 WARNINGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
@@ -72,12 +73,11 @@ def test_structures_are_laid_out_as_the_compiler_does(name, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-def test_arguments_have_the_types_that_c_declares(planar_cell):
-    library = planar_cell.library.opened
+def test_arguments_have_the_types_that_c_declares():
     large = PROGRAM(nodes=1 << 30, rows=3, free=2)
-    assert _library().mrts_smooth_kept(large) > 3 * large.nodes  # of an int, what is left below 2³¹
+    assert program_library(SMOOTH).mrts_smooth_kept(large) > 3 * large.nodes  # of an int, what is left below 2³¹
     with pytest.raises(ctypes.ArgumentError):
-        library.mrts_batch_work(1.5, 1, np.zeros(1), np.zeros(1))
+        program_library(BATCH).mrts_batch_work(1.5, 1, np.zeros(1), np.zeros(1))
 
 
 def test_a_library_that_lacks_a_function_is_refused():

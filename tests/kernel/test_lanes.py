@@ -18,7 +18,7 @@ import mrts
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel import programs
 from mrts.kernel.binding import bind
-from mrts.kernel.c_text import CELL_FILES, cell_source
+from mrts.kernel.c_text import CELL_FILES, PROJECTIONS, cell_source, one_text
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import FLAGS
 from mrts.kernel.programs import OPTIMAL, projections
@@ -65,10 +65,9 @@ void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lan
 @pytest.fixture(scope="module", params=["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
 def answers(request, tmp_path_factory):
     """What a library of a shipped cell, compiled with some flags, finds at some samples, by name, samples first."""
-    path = DATA.parent / request.param
-    folder = tmp_path_factory.mktemp(request.param)
+    path, folder = DATA.parent / request.param, tmp_path_factory.mktemp(request.param)
     manifest, generated = generated_in_cache(path / "cell.yaml")
-    (folder / "cell.c").write_text(cell_source(manifest, generated.read_text(encoding="utf-8")), encoding="utf-8")
+    (folder / "cell.c").write_text(one_text((PROJECTIONS,)) + cell_source(manifest, generated.read_text()))
     cell = mrts.load_cell(path / "cell.yaml")
     motion = mrts.follow_object(cell, mrts.load_motion(shipped_motion(request.param, samples=SAMPLES)))
     plain = motion_rows(cell.without_velocity_limits(), motion)
@@ -103,7 +102,7 @@ def answers(request, tmp_path_factory):
         scale = np.divide(1.0, effect, out=np.zeros_like(effect), where=effect > 0)
         far = np.full((count, 2), 1e5) * (scale[:, -2:] > 0)
         given = of_path.A, of_path.lower, of_path.upper, scale, (np.column_stack([-far[:, 0], 0 * far[:, 1]]), far)
-        with patch.object(programs, "_opened", [library.opened]):
+        with patch.object(programs, "program_library", lambda _: library.opened):
             number, corners, known["projected status"] = projections(*given)
         known["reach"] = np.array(reaches(number, corners))
         return known
@@ -125,7 +124,8 @@ def answers(request, tmp_path_factory):
     def compiled(*flags):
         library = folder / f"lib{len(list(folder.iterdir()))}.so"
         subprocess.run([GCC, *FLAGS, *flags, folder / "cell.c", "-o", library, "-lm"], check=True)
-        return CellLibrary(manifest, bind(ctypes.CDLL(str(library)), CELL_FILES))
+        opened = bind(ctypes.CDLL(str(library)), (*CELL_FILES, PROJECTIONS))
+        return CellLibrary(manifest, lambda name: opened if name == "cell" else cell.library.following)
 
     return compiled, found, of_all
 
