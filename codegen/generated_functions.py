@@ -38,8 +38,8 @@ Named = dict[str, Any]
 
 def _kinematics(sample: Sample) -> Named:
     rotations, positions = [], []
-    for model, base, q in zip(sample.models, sample.bases, sample.arms("q"), strict=True):
-        R_base_tip, p_base_tip = forward_kinematics(model, q)[-1]
+    for model, base, steps in zip(sample.models, sample.bases, sample.steps, strict=True):
+        R_base_tip, p_base_tip = forward_kinematics(model, steps)[-1]
         positions.append(base.p + base.R @ p_base_tip)
         rotations.append(base.R @ R_base_tip)
     outputs = {"position": positions, "rotation": rotations, "jacobian": sample.J}
@@ -47,7 +47,7 @@ def _kinematics(sample: Sample) -> Named:
 
 
 def _bias_acceleration(sample: Sample) -> Named:
-    rows, arms = sample.cell.record.wrench_rows, zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True)
+    rows, arms = sample.cell.record.wrench_rows, zip(sample.models, sample.steps, sample.arms("dq"), strict=True)
     return {"bias_acceleration": ca.horzcat(*(bias_acceleration(*arm)[rows] for arm in arms))}
 
 
@@ -71,9 +71,9 @@ def _geometric_stiffness_rate(sample: Sample) -> Named:
 
 
 def _dynamics(sample: Sample) -> Named:
-    arms = list(zip(sample.models, sample.arms("q"), sample.arms("dq"), strict=True))
+    arms = list(zip(sample.models, sample.steps, sample.arms("dq"), strict=True))
     return {
-        "mass_matrix": ca.diagcat(*(mass_matrix(model, q) for model, q, _ in arms)),
+        "mass_matrix": ca.diagcat(*(mass_matrix(model, steps) for model, steps, _ in arms)),
         "coriolis_torque": ca.vertcat(*(coriolis_torque(*arm) for arm in arms)),
         "gravity_torque": sample.terms_of_arms[2],
     }
@@ -172,7 +172,8 @@ def played_torques(sample: Sample) -> Named:
         "torque", Shape (m,) [N m or N], and "wrench" in the axes of the bases, Shape (n w,) [N, N m].
     """
     grasps, count, rows = sample.grasps, len(sample.models), sample.cell.record.wrench_rows
-    moves = zip(sample.models, *map(sample.arms, ("q", "dq", "ddq")), [-down for down in sample.down], strict=True)
+    rates = sample.arms("dq"), sample.arms("ddq"), [-down for down in sample.down]
+    moves = zip(sample.models, sample.steps, *rates, strict=True)
     motions = [chain_motion(*of_arm) for of_arm in moves]
     given = [_six_components(sample, part) for part in ca.vertsplit(sample.inputs["object_wrench"], len(rows))]
     lacking_force, lacking_moment = _needed(sample, motions[0])

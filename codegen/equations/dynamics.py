@@ -38,23 +38,26 @@ ChainMotion = list[tuple[Any, Any, Any, Any, Any]]
 axes angular velocity [rad/s] and acceleration [rad/s²], and the acceleration of its origin [m/s²], each Shape (3,)."""
 
 
-def joint_transform(joint: Joint, q: Any) -> tuple[Any, Any]:
-    """Pose of a joint's moved frame in the frame before it.
+Steps = list[tuple[Any, Any]]
+"""Pose of each joint's moved frame in the frame before it: rotation, Shape (3, 3), and position, Shape (3,) [m]."""
 
-    Returns:
-        Rotation, Shape (3, 3), and position, Shape (3,) [m].
-    """
+
+def joint_steps(robot: RobotModel, q: Any) -> Steps:
+    """Those of an arm at joint positions q, Shape (n,) [rad or m], which all that is told of it takes."""
+    return [_joint_step(joint, q[index]) for index, joint in enumerate(robot.joints)]
+
+
+def _joint_step(joint: Joint, q: Any) -> tuple[Any, Any]:
     R, p = ca.SX(joint.placement.R), ca.SX(joint.placement.p)
     if joint.kind == "revolute":
         return R @ axis_rotation(joint.axis, q), p
     return R, p + R @ (ca.SX(joint.axis) * q)
 
 
-def forward_kinematics(robot: RobotModel, q: Any) -> list[tuple[Any, Any]]:
+def forward_kinematics(robot: RobotModel, steps: Steps) -> list[tuple[Any, Any]]:
     """Rotation, Shape (3, 3), and origin, Shape (3,) [m], of all joints' moved frames and the tip in the base frame."""
     R, p = ca.SX.eye(3), ca.SX.zeros(3)
     frames = []
-    steps = [joint_transform(joint, q[index]) for index, joint in enumerate(robot.joints)]
     for R_step, p_step in (*steps, (ca.SX(robot.tip.R), ca.SX(robot.tip.p))):
         p = p + R @ p_step
         R = R @ R_step
@@ -62,9 +65,9 @@ def forward_kinematics(robot: RobotModel, q: Any) -> list[tuple[Any, Any]]:
     return frames
 
 
-def frame_jacobian(robot: RobotModel, q: Any) -> Any:
+def frame_jacobian(robot: RobotModel, steps: Steps) -> Any:
     """Jacobian J of the tip: [v; ω] = J q̇ in base axes, Shape (6, n)."""
-    *frames, (_, p_tip) = forward_kinematics(robot, q)
+    *frames, (_, p_tip) = forward_kinematics(robot, steps)
     columns = []
     for joint, (R, p) in zip(robot.joints, frames, strict=True):
         axis = R @ ca.SX(joint.axis)
@@ -75,20 +78,19 @@ def frame_jacobian(robot: RobotModel, q: Any) -> Any:
     return ca.horzcat(*columns)
 
 
-def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration: Any) -> ChainMotion:
+def chain_motion(robot: RobotModel, steps: Steps, dq: Any, ddq: Any, base_acceleration: Any) -> ChainMotion:
     """Forward recursion of velocities and accelerations (Featherstone 2008, ch. 5.3, in three-vectors).
 
     Args:
         robot: The arm.
-        q: Joint positions, Shape (n,) [rad or m].
+        steps: Of its joints, see `joint_steps`.
         dq: Joint velocities, Shape (n,) [rad/s or m/s].
         ddq: Joint accelerations, Shape (n,) [rad/s² or m/s²].
         base_acceleration: Acceleration of the base in base axes, Shape (3,) [m/s²].
     """
     motion: ChainMotion = []
     w, dw, a = ca.SX.zeros(3), ca.SX.zeros(3), ca.SX(base_acceleration)
-    for index, joint in enumerate(robot.joints):
-        R, p = joint_transform(joint, q[index])
+    for index, (joint, (R, p)) in enumerate(zip(robot.joints, steps, strict=True)):
         axis = ca.SX(joint.axis)
         a = R.T @ (a + spin(w, dw) @ p)
         w, dw = R.T @ w, R.T @ dw
@@ -107,28 +109,28 @@ def spin(w: Any, dw: Any) -> Any:
     return ca.skew(dw) + products - ca.trace(products) * ca.SX.eye(3)
 
 
-def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:
+def bias_acceleration(robot: RobotModel, steps: Steps, dq: Any) -> Any:
     """J̇q̇ of the tip, the acceleration [v̇; ω̇] at q̈ = 0, in base axes, Shape (6,)."""
     rest = ca.SX.zeros(len(robot.joints))
-    *_, w, dw, a = chain_motion(robot, q, dq, rest, ca.SX.zeros(3))[-1]
+    *_, w, dw, a = chain_motion(robot, steps, dq, rest, ca.SX.zeros(3))[-1]
     p = ca.SX(robot.tip.p)
-    R = forward_kinematics(robot, q)[-2][0]
+    R = forward_kinematics(robot, steps)[-2][0]
     return ca.vertcat(R @ (a + spin(w, dw) @ p), R @ dw)
 
 
-def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any) -> Any:
+def inverse_dynamics(robot: RobotModel, steps: Steps, dq: Any, ddq: Any, gravity: Any) -> Any:
     """Eq. (1): joint torques of the free arm (F = 0), Shape (n,) [N m or N].
 
     Luh, Walker and Paul (1980); Featherstone (2008), ch. 5.3.
 
     Args:
         robot: The arm.
-        q: Joint positions, Shape (n,) [rad or m].
+        steps: Of its joints, see `joint_steps`.
         dq: Joint velocities, Shape (n,) [rad/s or m/s].
         ddq: Joint accelerations, Shape (n,) [rad/s² or m/s²].
         gravity: Downward gravity in base axes, Shape (3,) [m/s²].
     """
-    motion = chain_motion(robot, q, dq, ddq, -ca.SX(gravity))
+    motion = chain_motion(robot, steps, dq, ddq, -ca.SX(gravity))
     return ca.vertcat(*transmitted_torques(robot, motion, ca.SX.zeros(3), ca.SX.zeros(3)))
 
 
@@ -156,37 +158,37 @@ def transmitted_torques(robot: RobotModel, motion: ChainMotion, force: Any, mome
     return torques
 
 
-def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Array) -> tuple[Any, Any, Any]:
+def scaled_arm_terms(robot: RobotModel, steps: Steps, dq: Any, ddq: Any, gravity: Array) -> tuple[Any, Any, Any]:
     """Eqs. (11), (12), (13): with q̇ = q' ṙ and q̈ = q'' ṙ² + q' r̈ the torque is E ṙ² + A r̈ + G (+ JᵀF).
 
     E = D q'' + q' C q' [N m], A = D q' [N m s²], G the gravity torque [N m], each Shape (n,).
 
     Args:
         robot: The arm.
-        q: Joint positions, Shape (n,) [rad or m].
+        steps: Of its joints, see `joint_steps`.
         dq: q', velocities of the given motion, Shape (n,) [rad/s or m/s].
         ddq: q'', accelerations of the given motion, Shape (n,) [rad/s² or m/s²].
         gravity: Downward gravity in base axes, Shape (3,) [m/s²].
     """
     rest, weightless = ca.SX.zeros(len(robot.joints)), np.zeros(3)
     return (
-        inverse_dynamics(robot, q, dq, ddq, weightless),
-        inverse_dynamics(robot, q, rest, dq, weightless),
-        inverse_dynamics(robot, q, rest, rest, gravity),
+        inverse_dynamics(robot, steps, dq, ddq, weightless),
+        inverse_dynamics(robot, steps, rest, dq, weightless),
+        inverse_dynamics(robot, steps, rest, rest, gravity),
     )
 
 
-def mass_matrix(robot: RobotModel, q: Any) -> Any:
+def mass_matrix(robot: RobotModel, steps: Steps) -> Any:
     """Mass matrix D(q), Shape (n, n) [kg m² for revolute pairs]: what the torque of an arm at rest is linear in."""
     count = len(robot.joints)
     acceleration = ca.SX.sym("ddq", count)
-    torque = inverse_dynamics(robot, q, ca.SX.zeros(count), acceleration, np.zeros(3))
+    torque = inverse_dynamics(robot, steps, ca.SX.zeros(count), acceleration, np.zeros(3))
     return ca.densify(ca.jacobian(torque, acceleration))
 
 
-def coriolis_torque(robot: RobotModel, q: Any, dq: Any) -> Any:
+def coriolis_torque(robot: RobotModel, steps: Steps, dq: Any) -> Any:
     """Coriolis and centrifugal torque q̇ C(q) q̇, Shape (n,) [N m or N]."""
-    return inverse_dynamics(robot, q, dq, ca.SX.zeros(len(robot.joints)), np.zeros(3))
+    return inverse_dynamics(robot, steps, dq, ca.SX.zeros(len(robot.joints)), np.zeros(3))
 
 
 def load_inertia(load: Any) -> Any:

@@ -9,7 +9,14 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
-from mrts_codegen.equations.dynamics import contact_offset, frame_jacobian, object_terms, scaled_arm_terms
+from mrts_codegen.equations.dynamics import (
+    Steps,
+    contact_offset,
+    frame_jacobian,
+    joint_steps,
+    object_terms,
+    scaled_arm_terms,
+)
 from mrts_codegen.urdf.robot_model import Inertia, RobotModel
 
 from mrts.base.manifest import GEOMETRY, LOAD_ENTRIES
@@ -53,15 +60,20 @@ class Sample:
         return [base.R.T @ self.gravity for base in self.bases]
 
     @cached_property
+    def steps(self) -> list[Steps]:
+        """Of the joints of each arm; once, because they are a third of what generation takes."""
+        return [joint_steps(model, q) for model, q in zip(self.models, self.arms("q"), strict=True)]
+
+    @cached_property
     def J(self) -> list[Any]:  # noqa: N802 (as in the paper)
         """Jacobian of each arm in its base axes, each Shape (w, n_i)."""
-        rows, arms = self.cell.record.wrench_rows, zip(self.models, self.arms("q"), strict=True)
-        return [ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in arms]
+        rows, arms = self.cell.record.wrench_rows, zip(self.models, self.steps, strict=True)
+        return [ca.densify(frame_jacobian(*arm)[rows, :]) for arm in arms]
 
     @cached_property
     def terms_of_arms(self) -> tuple[Any, Any, Any]:
         """Inertial torques E [N m], A per time-warp acceleration [N m s²], gravity torques G [N m], each Shape (m,)."""
-        arms = zip(self.models, *map(self.arms, ("q", "dq", "ddq")), self.down, strict=True)
+        arms = zip(self.models, self.steps, *map(self.arms, ("dq", "ddq")), self.down, strict=True)
         each = [scaled_arm_terms(*arm) for arm in arms]
         E, A, G = (ca.densify(ca.vertcat(*parts)) for parts in zip(*each, strict=True))
         return E, A, G

@@ -11,7 +11,7 @@ import pytest
 import yaml
 from conftest import DATA
 from mrts_codegen.cell_model import build_cell_model
-from mrts_codegen.equations.dynamics import forward_kinematics, inverse_dynamics
+from mrts_codegen.equations.dynamics import forward_kinematics, inverse_dynamics, joint_steps
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
@@ -191,8 +191,9 @@ def test_held_joints_equal_pinocchios_locked_ones(path, tip, fixed):
     model.gravity.linear = np.array(GRAVITY)
     data, frame = model.createData(), model.getFrameId(tip)
     symbols = [ca.SX.sym(name, len(arm.joints)) for name in ("q", "dq", "ddq")]
-    R_tip, p_tip = forward_kinematics(arm, symbols[0])[-1]
-    outputs = [inverse_dynamics(arm, *symbols, GRAVITY), p_tip, R_tip]
+    steps = joint_steps(arm, symbols[0])
+    R_tip, p_tip = forward_kinematics(arm, steps)[-1]
+    outputs = [inverse_dynamics(arm, steps, *symbols[1:], GRAVITY), p_tip, R_tip]
     ours = ca.Function("arm", symbols, outputs)
     rng = np.random.default_rng(5)
     for _ in range(20):
