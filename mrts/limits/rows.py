@@ -362,11 +362,6 @@ class RowLimits:
         return np.asarray(np.isfinite(self.lower) | np.isfinite(self.upper))
 
     @cached_property
-    def crosses(self) -> bool:
-        """Whether a lower limit lies above its upper one: such a row admits nothing."""
-        return bool((self.lower > self.upper).any())
-
-    @cached_property
     def matrix(self) -> Array:
         """M_τ, M_F and, if there is one, M_H beside each other, Shape (r, m + n w) or (r, m + 2 n w)."""
         blocks = (self.torque_matrix, self.wrench_matrix)
@@ -458,21 +453,6 @@ class LimitRows:
         """One a row."""
         return self.limits.names
 
-    @property
-    def lower(self) -> Array:
-        """Shape (r,), minus infinity where unbounded."""
-        return self.limits.lower
-
-    @property
-    def upper(self) -> Array:
-        """Shape (r,), infinity where unbounded."""
-        return self.limits.upper
-
-    @property
-    def units(self) -> Array:
-        """As in `RowLimits`."""
-        return self.limits.units
-
     def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
         """What each row is of its quantity at all samples, Shape (N, r), of τ, Shape (N, m), and F, (N, n w).
 
@@ -494,12 +474,12 @@ class LimitRows:
         return np.asarray(1 + np.maximum(above / high, below / low), dtype=np.float64)
 
     def excess(self, value: Array) -> Array:
-        """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r)."""
-        return np.asarray(np.maximum(*self._beyond(value)) / self.units, dtype=np.float64)
+        """How far each value is beyond its limits in `RowLimits.units`, below 0 within them, Shape (N, r)."""
+        return np.asarray(np.maximum(*self._beyond(value)) / self.limits.units, dtype=np.float64)
 
     def _beyond(self, value: Array) -> tuple[Array, Array]:
         """By what each value passes its upper and its lower limit, sides of a polygon their circle."""
-        above, below = value - self.upper, self.lower - value
+        above, below = value - self.limits.upper, self.limits.lower - value
         in_circles(self.names, above, below)
         return above, below
 
@@ -613,10 +593,11 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
     if rows.limits.object_matrix is not None and not np.array_equal(rows.object_axes, object_axes(cell, motion)):  # type: ignore[arg-type]  # None is not equal
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
-    in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
+    lower, upper = rows.limits.lower, rows.limits.upper
+    in_order = (lower <= upper) & (lower < np.inf) & (upper > -np.inf)
     if not in_order.all():
         row = int(np.argmin(in_order))
-        rule = f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}."
+        rule = f"{rows.names[row]}: no number is from {lower[row]:g} to {upper[row]:g}."
         raise InputError(where, rule, key="lower, upper")
     columns = [getattr(rows, name) for name in COLUMNS]
     terms = [np.zeros(count, dtype=bool) if column is None else column.any(axis=0) for column in columns]

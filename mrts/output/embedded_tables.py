@@ -79,26 +79,27 @@ def embedded_tables(cell: Cell, motion: CoordinatedMotion) -> dict[str, NDArray[
             _check_constant(limit_name(limit), given, other)
             pieces.append(given)
     rows = stack_rows(pieces)
-    velocity = velocity_rows(cell, probes[0])
+    kept = rows.limits
+    velocity = velocity_rows(cell, probes[0]).limits
     most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
-    row, column = np.nonzero(rows.limits.matrix)
+    row, column = np.nonzero(kept.matrix)
     tables = {
         "LOAD": cell.load,
         "LOAD_CORNERS": np.array([point.load for point in cell.load_box.corners()] if cell.load_box else [cell.load]),
         "WEIGHT": np.diag(torque_weights(None, cell)),
-        "ROW_START": np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(rows.limits.matrix)))]),
+        "ROW_START": np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(kept.matrix)))]),
         "ROW_COLUMN": column,
-        "ROW_VALUE": rows.limits.matrix[row, column],
-        "LOWER": rows.lower,
-        "UPPER": rows.upper,
-        "ROW_GROUP": np.array(rows.limits.groups, dtype=np.intp),
+        "ROW_VALUE": kept.matrix[row, column],
+        "LOWER": kept.lower,
+        "UPPER": kept.upper,
+        "ROW_GROUP": np.array(kept.groups, dtype=np.intp),
         "VELOCITY": np.concatenate([most, limits[~is_line]]),
         **_motors(cell, joint, slope, line_rows),
     }
     if rows.object_axes is not None:
         base, axes = base_axes(cell)
         tables |= {"BASE": base.ravel(), "AXES": np.array(axes)}
-    names = [*rows.names, *velocity.names, *compress(of_curves, ~is_line)]
+    names = [*kept.names, *velocity.names, *compress(of_curves, ~is_line)]
     if cell.limits_motion:
         of_motion, more = _motions(cell)
         names, tables = names + of_motion, tables | more

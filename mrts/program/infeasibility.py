@@ -215,7 +215,7 @@ def motion_widening(
     share, left = np.zeros(len(places)), np.arange(len(places))
     if rows.compiled:
         speed = np.sqrt(c2[:, None]) if rows.has_speed_terms else 1.0
-        status, units = np.full(len(places), STOPPED, dtype=np.uint8), rows.given.units[~rows.is_cap]
+        status, units = np.full(len(places), STOPPED, dtype=np.uint8), rows.given.limits.units[~rows.is_cap]
         outputs = share, status
         rows.over_samples("mrts_widenings", [c2], outputs, (units,), load=load, speed=speed, samples=samples)
         share, left = np.maximum(share, rows.passed_caps(c2, places)), (status != OPTIMAL).nonzero()[0]

@@ -190,7 +190,7 @@ class MotionRows:
     @property
     def unit(self) -> Array:
         """What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,)."""
-        limits, unit = self.given.limits, self.given.units.copy()
+        limits, unit = self.given.limits, self.given.limits.units.copy()
         unit[limits.in_squares[limits.by_speed]] /= 2
         return unit
 
@@ -208,7 +208,7 @@ class MotionRows:
         """
         free = self.formulation == "wrench" and self.sharing is None
         few = len(self.kept.names) + self.cell.library.unknowns <= MOST_ROWS
-        return free and few and not self.given.limits.crosses
+        return free and few and not (self.given.limits.lower > self.given.limits.upper).any()
 
     def over_samples(
         self,

@@ -19,7 +19,7 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
-from mrts.limits.rows import ActiveRow, LimitRows, counted_sizes
+from mrts.limits.rows import ActiveRow, LimitRows, RowLimits, counted_sizes
 from mrts.program.infeasibility import least_widening
 from mrts.program.motion_rows import MotionRows
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
@@ -59,8 +59,8 @@ def reserved(problem: SampleProblem, c2: float) -> SampleProblem:
 def given_sizes(cell: Cell, motion: CoordinatedMotion) -> Array:
     """`counted_sizes` of the limits as they are given, whatever reserve the cell keeps, without those of polygons."""
     rows = limit_rows(cell.with_reserve(0.0), motion)
-    rows = rows.only(np.array([not name.sides for name in rows.names]))
-    return counted_sizes(rows.lower, rows.upper, rows.units)
+    limits = rows.only(np.array([not name.sides for name in rows.names])).limits
+    return counted_sizes(limits.lower, limits.upper, limits.units)
 
 
 def without_unmoved(problem: SampleProblem) -> SampleProblem:
@@ -122,14 +122,14 @@ def plan_reserve(rows: MotionRows, c2: float, loads: tuple[LoadPoint | None, ...
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
                 at_best = _shares_moved(*least_shares(problem, c2))
-                distributed.append(_reserve(given, at_best, time, start, load))
+                distributed.append(_reserve(given.limits, at_best, time, start, load))
                 shares = np.maximum(shares, at_best)
-            whole.append(_reserve(given, shares, time, start, load))
+            whole.append(_reserve(given.limits, shares, time, start, load))
     least = attrgetter("share")
     return replace(min(whole, key=least), distributed=min(distributed, key=least, default=None))
 
 
-def _reserve(given: LimitRows, shares: Array, time: Array, start: int, load: LoadPoint | None) -> Reserve:
+def _reserve(given: RowLimits, shares: Array, time: Array, start: int, load: LoadPoint | None) -> Reserve:
     """The reserve that shares of the lower and the upper sides leave, Shape (2, b, r), of samples from `start` on."""
     most = np.max(shares, axis=(0, 2), initial=0.0)
     place = int(np.argmax(most))
@@ -159,6 +159,6 @@ def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Arra
     if np.any(of_speed):
         torque, wrench = (np.zeros((problem.samples, M.shape[1])) for M in (limits.torque_matrix, limits.wrench_matrix))
         value, size = given.value(torque, wrench, 0.0, np.sqrt(c2)), limits.side_sizes()
-        at = np.stack([1 - (value - given.lower) / size[0], 1 - (given.upper - value) / size[1]])
+        at = np.stack([1 - (value - limits.lower) / size[0], 1 - (limits.upper - value) / size[1]])
         shares[:, :, of_speed] = at[:, :, of_speed]
     return np.where(stays, shares, -np.inf)

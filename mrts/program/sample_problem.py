@@ -207,7 +207,7 @@ def build_sample_problem(
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
     """
-    cell, motion, formulation, size = rows.cell, rows.motion, rows.formulation, rows.given.units
+    cell, motion, formulation, size = rows.cell, rows.motion, rows.formulation, rows.given.limits.units
     inputs = rows.inputs(load, samples)
     if formulation not in FORMULATIONS:
         raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
@@ -244,8 +244,8 @@ def build_sample_problem(
         lower=lower,
         upper=upper,
         speed=speed,
-        limit_lower=rows.given.lower,
-        limit_upper=rows.given.upper,
+        limit_lower=rows.given.limits.lower,
+        limit_upper=rows.given.limits.upper,
         solver=rows.solver,
     )
 

@@ -380,7 +380,7 @@ def motion_ranges(rows: MotionRows, load: Array | None = None, high: float = np.
         block = suspects[start : start + BLOCK]
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
         conflicts += decide(ends, block, problem, time, high)
-    return _ranges(time, ends, conflicts, (rows.given.names, rows.given.lower, rows.given.upper), asked)
+    return _ranges(time, ends, conflicts, (rows.given.names, rows.given.limits.lower, rows.given.limits.upper), asked)
 
 
 def sample_ranges(

@@ -382,12 +382,13 @@ class ScaledTrajectory:
         motor brakes.
         """
         rows = all_rows(self.cell, self.motion)
+        limits = rows.limits
         values = rows.value(self.torque, self.wrench, 0.0, self.c)
         lines = np.array([name.kind == TORQUE_SPEED for name in rows.names], dtype=bool)
         moving = np.zeros_like(values) if rows.speed is None else np.where(lines, rows.speed * self.c, 0.0)
-        lower = np.where(moving > 0, -np.inf, rows.lower - moving)
-        upper = np.where(moving < 0, np.inf, rows.upper - moving)
-        return LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units).of_circles
+        lower = np.where(moving > 0, -np.inf, limits.lower - moving)
+        upper = np.where(moving < 0, np.inf, limits.upper - moving)
+        return LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), limits.units).of_circles
 
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:

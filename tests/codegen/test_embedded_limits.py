@@ -92,7 +92,8 @@ def test_a_limit_given_to_a_cell_reaches_the_library_and_binds(tmp_path):
 def friction(cell, motion):
     """A torque that a motor loses with its speed."""
     rows = supply(cell, motion)
-    return replace(rows, names=(RowName("friction", "left", "shoulder", "N m"),), speed=motion.dq[:, :1])
+    names = (RowName("friction", "left", "shoulder", "N m"),)
+    return replace(rows, limits=replace(rows.limits, names=names), speed=motion.dq[:, :1])
 
 
 def soft_start(cell, motion):

@@ -71,7 +71,7 @@ def answers(request, tmp_path_factory):
     cell = mrts.load_cell(path / "cell.yaml")
     motion = mrts.follow_object(cell, mrts.load_motion(shipped_motion(request.param, samples=SAMPLES)))
     plain = motion_rows(cell.without_velocity_limits(), motion)
-    rng, units, joints = np.random.default_rng(0), plain.given.units, motion.q.shape
+    rng, units, joints = np.random.default_rng(0), plain.given.limits.units, motion.q.shape
     square, offset = rng.normal(size=(2, SAMPLES, len(units))) * units * 1e-3
     of_motors = {name: rng.normal(size=joints) for name in ("square", "rate", "dry")} | {"speed": None}
     motors = MotorTerms(turning=1e-3 * rng.random(joints) * cell.stacked("torque_upper"), **of_motors)

@@ -31,7 +31,7 @@ def test_rows_hold_exactly_what_the_curve_admits(planar_cell, lift):
         torque, speed = np.zeros((motion.samples, joints)), rng.uniform(0, 12)
         torque[:, 0] = rng.uniform(-90, 90, motion.samples)
         value = rows.value(torque, np.zeros((motion.samples, 6)), 0.0, speed)
-        kept = np.all((value >= rows.lower) & (value <= rows.upper), axis=1)
+        kept = np.all((value >= rows.limits.lower) & (value <= rows.limits.upper), axis=1)
         velocity = speed * motion.dq[:, 0]
         most = np.interp(np.abs(velocity), CURVE[:, 0], CURVE[:, 1])
         drives = torque[:, 0] * velocity > 0
@@ -205,7 +205,7 @@ WRONG_ROWS = {
         "square: object/x acceleration at sample 50: must be finite",
     ),
     "reversed": (
-        lambda rows: of_limits(rows, lower=rows.upper, upper=rows.lower),
+        lambda rows: of_limits(rows, lower=rows.limits.upper, upper=rows.limits.lower),
         "lower, upper: object/x acceleration: no number is from 2 to -2",
     ),
     "nothing": (lambda _rows: None, "must give LimitRows, not NoneType"),

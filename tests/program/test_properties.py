@@ -29,8 +29,9 @@ def feasible_samples(ranges):
 
 def limit_violation(rows, torque, wrench, c2):
     value = rows.value(torque[None], wrench[None], 0.0, np.sqrt(c2))
-    size = 1 + np.where(np.isfinite(rows.upper), np.abs(rows.upper), np.abs(rows.lower))
-    return float(np.max(np.maximum(rows.lower - value, value - rows.upper) / size))
+    lower, upper = rows.limits.lower, rows.limits.upper
+    size = 1 + np.where(np.isfinite(upper), np.abs(upper), np.abs(lower))
+    return float(np.max(np.maximum(lower - value, value - upper) / size))
 
 
 def feasible_problem(case):

@@ -35,7 +35,7 @@ def sides_alone(cell, motion):
     """A row for each side of the polygon of its acceleration."""
     name = RowName("acceleration", "object", "corner", "m/s²")
     rows = norm_rows(cell, name, *object_point(motion, CORNER), MOST)
-    return replace(rows, names=(name,) * len(rows.names))
+    return replace(rows, limits=replace(rows.limits, names=(name,) * len(rows.names)))
 
 
 def test_smooth_timing_keeps_norms_themselves(dual_ur5, lift_and_turn, monkeypatch):
