@@ -233,16 +233,16 @@ typedef struct {
 /* Those of some samples side by side, and what is known of their corners. */
 typedef struct {
     const mrts_polytopes *of;
-    mrts_lanes *A, *lower, *upper; /* (rows, k), (rows + k) */
-    mrts_lanes *corner; /* of each corner u, x, and of u and of x what rows of the basis weigh in it, (MRTS_CORNERS, 2 + 2 k) */
-    int *basis;         /* of each corner, its rows in the order of these weights, (MRTS_CORNERS, k) */
-    mrts_lanes *work;   /* (k + 2, k) */
+    mrts_lanes *A, *lower, *upper; /* (rows + k, k), a row of each unknown last, and (rows + k) */
+    mrts_lanes *corner;  /* of each corner u, x, and of u and of x what rows of the basis weigh in it, (MRTS_CORNERS, 2 + 2 k) */
+    int *held;           /* a basis, (k) */
+    mrts_lanes *rows_held, *less_limit, *inverse; /* its rows, (k, k), their limits, negative, and the rows' inverse */
+    mrts_lanes *work;    /* (k) */
 } mrts_lane_polytopes;
 
 #define MRTS_LANE_CORNER(k) (2 + 2 * (k))
 #define MRTS_LANE_POLYTOPES_WORK(k, rows) \
-    (MRTS_LANES * ((rows) * (k) + 2 * ((rows) + (k)) + MRTS_CORNERS * MRTS_LANE_CORNER(k) + (k) * (k) + 2 * (k)))
-#define MRTS_LANE_POLYTOPES_IWORK(k) (MRTS_CORNERS * (k))
+    (MRTS_LANES * (((rows) + (k)) * ((k) + 2) + MRTS_CORNERS * MRTS_LANE_CORNER(k) + 2 * (k) * ((k) + 1)))
 
 /* Takes the samples from `first` on; beyond the last the last is repeated. */
 static void mrts_take_polytopes(long long first, mrts_lane_polytopes *in) {
@@ -263,49 +263,65 @@ static void mrts_take_polytopes(long long first, mrts_lane_polytopes *in) {
     }
 }
 
-/* The limit that a row of a basis is at, 0 for a free one. */
-static mrts_lanes mrts_basis_limit(const mrts_lane_polytopes *in, int code) {
-    const mrts_lanes limit = code < 0 ? in->lower[-code - 1] : in->upper[code - 1];
-    return mrts_choose(mrts_sizes(limit) < MRTS_INFINITY, limit, mrts_each(0));
+/* Puts a row, at a limit, or free and so at 0, to a place of the basis that is held. */
+static void mrts_hold_row(const mrts_lane_polytopes *in, int place, int code) {
+    const int k = in->of->k;
+    const mrts_lanes *row = in->A + (mrts_abs(code) - 1) * k, limit = code < 0 ? in->lower[-code - 1] : in->upper[code - 1];
+    for (int i = 0; i < k; ++i) in->rows_held[place * k + i] = row[i];
+    in->held[place] = code;
+    in->less_limit[place] = mrts_choose(mrts_sizes(limit) < MRTS_INFINITY, -limit, mrts_each(0));
 }
 
-/* What the rows of a basis weigh in an unknown, and whether they make it up and give the point's. */
-static mrts_lane_mask mrts_corner_weights(const mrts_lane_polytopes *in, const int *basis, int unknown, mrts_lanes its,
-                                          mrts_lanes *y) {
-    const int k = in->of->k, rows = in->of->rows;
-    mrts_lanes *rest = in->work + k * k, value = mrts_each(0);
-    mrts_lane_mask right = MRTS_EVERY_LANE;
-    for (int j = 0; j < k; ++j) rest[j] = y[j] = mrts_each(j == unknown);
-    mrts_solve_transposed_lanes(k, in->work, y, unknown);
-    for (int n = 0; n < k; ++n) {
-        const int row = mrts_abs(basis[n]) - 1, terms = row < rows ? k : 0;
-        value += y[n] * mrts_basis_limit(in, basis[n]);
-        if (row >= rows) rest[row - rows] -= y[n];
-        MRTS_UNROLL
-        for (int j = 0; j < terms; ++j) rest[j] -= y[n] * in->A[row * k + j];
+/* Makes the inverse of the rows that are held that of a basis, which comes into their order: each row that is not held takes the
+ * place that has none of the basis yet where it moves the first sample most. */
+static void mrts_hold_basis(const mrts_lane_polytopes *in, int *basis) {
+    const int k = in->of->k, *held = in->held;
+    mrts_lanes *less = in->work; /* what the row is of those that are held, negative */
+    for (int n = 0, q = 0; n < k; n = q > n ? n : n + 1) {
+        const int code = basis[q = n];
+        while (held[n] != code && q < k && mrts_abs(held[q]) != mrts_abs(code)) ++q;
+        if (held[n] == code) continue;
+        if (q == k) {
+            q = n;
+            for (int j = 0; j < k; ++j) {
+                less[j] = mrts_less_lanes(k, mrts_each(0), in->inverse + j, k, in->A + (mrts_abs(code) - 1) * k);
+                if (j > n && held[j] != basis[j] && MRTS_ABS(less[j][0]) > MRTS_ABS(less[q][0])) q = j;
+            }
+            const mrts_lanes factor = -1 / less[q];
+            less[q] = mrts_each(0);
+            for (mrts_lanes *row = in->inverse, *end = row + k * k; row < end; row += k) {
+                const mrts_lanes its = row[q] *= factor;
+                MRTS_UNROLL
+                for (int j = 0; j < k; ++j) row[j] += less[j] * its;
+            }
+        }
+        basis[n] = basis[q];
+        basis[q] = code;
+        mrts_hold_row(in, q, code);
     }
-    for (int j = 0; j < k; ++j) right &= mrts_sizes(rest[j]) <= MRTS_FEASIBLE;
-    return right & (mrts_sizes(value - its) <= MRTS_FEASIBLE * (1 + mrts_sizes(value)));
 }
 
-/* The corner of a basis, which comes into the order of its pivots, and of which samples it is one. */
-static mrts_lane_mask mrts_lane_corner(const mrts_lane_polytopes *in, int *basis, mrts_lanes *corner) {
-    const int k = in->of->k, rows = in->of->rows;
-    mrts_lanes *B = in->work, *z = B + k * k + k;
-    mrts_basis_factor_lanes(k, rows, in->A, basis, B);
-    for (int n = 0; n < k; ++n) z[n] = mrts_basis_limit(in, basis[n]);
-    mrts_solve_lanes(k, B, z);
-    corner[0] = z[k - 2];
-    corner[1] = z[k - 1];
-    const mrts_lane_mask kept = mrts_kept_feasible_lanes(k, rows, in->A, in->lower, in->upper, z);
-    if (!mrts_any(kept)) return kept;
-    return kept & mrts_corner_weights(in, basis, k - 2, corner[0], corner + 2) &
-           mrts_corner_weights(in, basis, k - 1, corner[1], corner + 2 + k);
+/* The corner of the basis that is held, and of which samples it is one: a point that keeps all limits, of which u and x are made
+ * up of the rows of the basis by their weights. */
+static mrts_lane_mask mrts_lane_corner(const mrts_lane_polytopes *in, mrts_lanes *corner) {
+    const int k = in->of->k;
+    const mrts_lanes none = mrts_each(0), one = mrts_each(1), *of_u = in->inverse + (k - 2) * k;
+    mrts_lanes *z = in->work;
+    for (int i = 0; i < k; ++i) z[i] = mrts_less_lanes(k, none, in->inverse + i * k, 1, in->less_limit);
+    for (int i = 0; i < 2; ++i) corner[i] = z[k - 2 + i];
+    for (int n = 0; n < 2 * k; ++n) corner[2 + n] = of_u[n]; /* of x too */
+    mrts_lane_mask right = mrts_kept_feasible_lanes(k, in->of->rows, in->A, in->lower, in->upper, z);
+    for (int j = 0; j < k; ++j) {
+        const mrts_lanes rest_u = mrts_less_lanes(k, j == k - 2 ? one : none, in->rows_held + j, k, of_u);
+        const mrts_lanes rest_x = mrts_less_lanes(k, j == k - 1 ? one : none, in->rows_held + j, k, of_u + k);
+        right &= (mrts_sizes(rest_u) <= MRTS_FEASIBLE) & (mrts_sizes(rest_x) <= MRTS_FEASIBLE);
+    }
+    return right;
 }
 
 /* Whether the multipliers of a direction have the signs of limits that there are. */
-static mrts_lane_mask mrts_corner_signs(const mrts_lane_polytopes *in, int at, const mrts_lanes *direction) {
-    const int k = in->of->k, *basis = in->basis + at * k;
+static mrts_lane_mask mrts_corner_signs(const mrts_lane_polytopes *in, const int *bases, int at, const mrts_lanes *direction) {
+    const int k = in->of->k, *basis = bases + at * k;
     const mrts_lanes *of_u = in->corner + at * MRTS_LANE_CORNER(k) + 2, *of_x = of_u + k;
     mrts_lanes *y = in->work, size = mrts_each(1);
     mrts_lane_mask right = MRTS_EVERY_LANE;
@@ -325,7 +341,7 @@ static mrts_lane_mask mrts_corner_signs(const mrts_lane_polytopes *in, int at, c
 }
 
 /* Whether nothing lies outside of the edge from a corner to the next; they are not the same. */
-static mrts_lane_mask mrts_edge_is_final(const mrts_lane_polytopes *in, int at, int next) {
+static mrts_lane_mask mrts_edge_is_final(const mrts_lane_polytopes *in, const int *bases, int at, int next) {
     const int k = in->of->k;
     const mrts_lanes *p = in->corner + at * MRTS_LANE_CORNER(k), *q = in->corner + next * MRTS_LANE_CORNER(k);
     mrts_lanes normal[2] = {q[1] - p[1], p[0] - q[0]};
@@ -334,20 +350,23 @@ static mrts_lane_mask mrts_edge_is_final(const mrts_lane_polytopes *in, int at, 
     normal[0] /= length;
     normal[1] /= length;
     const mrts_lane_mask differ = apart > MRTS_OUTSIDE * (1 + mrts_sizes(p[0]) + mrts_sizes(p[1]));
-    mrts_lane_mask final = mrts_corner_signs(in, at, normal);
-    if (!(final[0] & final[1] & final[2] & final[3])) final |= mrts_corner_signs(in, next, normal);
+    mrts_lane_mask final = mrts_corner_signs(in, bases, at, normal);
+    if (!(final[0] & final[1] & final[2] & final[3])) final |= mrts_corner_signs(in, bases, next, normal);
     return differ & final;
 }
 
-/* Of which samples the bases of an outline are all corners: each is verified as a corner of mrts_project, and each edge. */
+/* Of which samples the bases of an outline are all corners: each is verified as a corner of mrts_project, and each edge. The
+ * inverse of one becomes that of the next, which mostly has one other row: each basis comes into that order. */
 static mrts_lane_mask mrts_known_outline(const mrts_lane_polytopes *in, const mrts_outline *outline) {
     const int k = in->of->k, count = outline->count;
     mrts_lane_mask known = MRTS_EVERY_LANE;
-    for (int i = 0; i < count * k; ++i) in->basis[i] = outline->basis[i];
+    for (int i = 0; i < k * k; ++i) in->inverse[i] = in->A[in->of->rows * k + i];
+    for (int j = 0; j < k; ++j) mrts_hold_row(in, j, in->of->rows + 1 + j);
     for (int at = 0; at < count && mrts_any(known); ++at) {
-        known &= mrts_lane_corner(in, in->basis + at * k, in->corner + at * MRTS_LANE_CORNER(k));
+        mrts_hold_basis(in, outline->basis + at * k);
+        known &= mrts_lane_corner(in, in->corner + at * MRTS_LANE_CORNER(k));
     }
-    for (int at = 0; at < count && mrts_any(known); ++at) known &= mrts_edge_is_final(in, at, at + 1 < count ? at + 1 : 0);
+    for (int at = 0; at < count && mrts_any(known); ++at) known &= mrts_edge_is_final(in, outline->basis, at, (at + 1) % count);
     return known;
 }
 
@@ -414,7 +433,7 @@ MRTS_EXPORT void mrts_half_planes(long long count, int k, int all, int alone, co
 
 MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
     *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k) + MRTS_LANE_POLYTOPES_WORK(k, rows);
-    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k);
+    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + k;
 }
 
 /* `count` projections of { z : lower <= A z <= upper, least <= (u, x) <= most }, see mrts_polytopes. Each starts from the one
@@ -429,11 +448,15 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
     int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
     const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
     mrts_lane_polytopes lanes = {.of = &of, .A = (mrts_lanes *)(void *)(project_work + MRTS_PROJECT_WORK(k))};
-    lanes.lower = lanes.A + rows * k;
+    for (int i = 0; i < k * k; ++i) lanes.A[rows * k + i] = mrts_each(i % (k + 1) == 0);
+    lanes.lower = lanes.A + (rows + k) * k;
     lanes.upper = lanes.lower + rows + k;
     lanes.corner = lanes.upper + rows + k;
-    lanes.work = lanes.corner + MRTS_CORNERS * MRTS_LANE_CORNER(k);
-    lanes.basis = project_iwork + MRTS_PROJECT_IWORK(k, rows);
+    lanes.rows_held = lanes.corner + MRTS_CORNERS * MRTS_LANE_CORNER(k);
+    lanes.inverse = lanes.rows_held + k * k;
+    lanes.less_limit = lanes.inverse + k * k;
+    lanes.work = lanes.less_limit + k;
+    lanes.held = project_iwork + MRTS_PROJECT_IWORK(k, rows);
     const mrts_lane_mask none = {0};
     mrts_lane_mask known = none;
     for (long long n = 0; n < count; corners += 2 * corner_count[n++]) {
