@@ -48,6 +48,7 @@ static void mrts_joints_at(const mrts_joint_path *path, const long long *segment
         const mrts_lanes given[] = {mrts_term(path->dq, segments, M, i), mrts_term(path->ddq, segments, M, i) * h,
                                     mrts_term(path->dq, segments, M, M + i), mrts_term(path->ddq, segments, M, M + i) * h};
         mrts_lanes way = mrts_each(0), whole = way, rate = way, change = way;
+        MRTS_UNROLL
         for (int j = 0; j < 4; ++j) {
             way += weight[j] * given[j];
             rate += weight[4 + j] * given[j];
@@ -105,12 +106,13 @@ static void mrts_carried(const mrts_arm *arm, const int *components, const mrts_
 }
 
 static void mrts_put_numbers(int count, const mrts_lanes *numbers, const long long *places, double *all) {
-    double *own[MRTS_LANES];
-    for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane] = all + places[lane] * count;
+    double *own[] = {all + places[0] * count, all + places[1] * count, all + places[2] * count, all + places[3] * count};
     for (int i = 0; i < count; ++i) {
         const mrts_lanes number = numbers[i];
-        MRTS_UNROLL
-        for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane][i] = number[lane];
+        own[0][i] = number[0];
+        own[1][i] = number[1];
+        own[2][i] = number[2];
+        own[3][i] = number[3];
     }
 }
 

@@ -176,8 +176,7 @@ static void mrts_multipliers(int joints, const mrts_split *split, const double *
     enum { W = MRTS_SIZE };
     for (int i = 0; i < W; ++i) F[i] = 0;
     for (int j = 0; j < W; ++j) {
-        double part = 0;
-        for (int r = 0; r < joints; ++r) part += split->Q[r * joints + j] * x[r];
+        const double part = -mrts_less(joints, 0, split->Q + j, joints, x);
         for (int i = 0; i <= j; ++i) F[i] += split->inverse[i * W + j] * part;
     }
 }
@@ -189,10 +188,8 @@ static void mrts_reduced(int joints, const double *hessian, const double *Q, dou
     for (int a = 0; a < free; ++a) {
         for (int b = 0; b < free; ++b) {
             reduced[a * free + b] = 0;
-            for (int i = 0; i < joints; ++i) {
-                double along = 0;
-                for (int j = 0; j < joints; ++j) along += hessian[i * joints + j] * Q[j * joints + W + b];
-                reduced[a * free + b] += Q[i * joints + W + a] * along;
+            for (int i = 0; i < joints; ++i) { /* less what H moves along a column of Q */
+                reduced[a * free + b] -= Q[i * joints + W + a] * mrts_less(joints, 0, Q + W + b, joints, hessian + i * joints);
             }
         }
     }
@@ -487,10 +484,7 @@ static double mrts_add_least(const mrts_tracking *task, int joints, const double
                              const double *wanted, double *rate) {
     enum { W = MRTS_SIZE };
     double left[W], step[MRTS_MOST_JOINTS], condition = split->condition;
-    for (int i = 0; i < W; ++i) {
-        left[i] = wanted[i];
-        for (int l = 0; l < joints; ++l) left[i] -= J[l * W + i] * rate[l];
-    }
+    for (int i = 0; i < W; ++i) left[i] = mrts_less(joints, wanted[i], J + i, W, rate);
     if (condition < task->condition) mrts_least_joints(joints, split, left, step);
     else condition = mrts_regular_joints(joints, J, task->condition, left, step);
     for (int l = 0; l < joints; ++l) rate[l] += step[l];

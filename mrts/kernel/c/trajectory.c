@@ -265,10 +265,7 @@ static mrts_lane_mask mrts_kept_torques(mrts_lane_program *program, const int *a
         const mrts_lanes *a = rows->A + (mrts_abs(active[j]) - 1) * F;
         for (int i = 0; i < F; ++i) W[j * F + i] = active[j] < 0 ? a[i] : -a[i];
         mrts_lane_forward(F, program->L, W + j * F);
-        for (int l = 0; l <= j; ++l) {
-            S[j * count + l] = mrts_each(0);
-            for (int i = 0; i < F; ++i) S[j * count + l] += W[j * F + i] * W[l * F + i];
-        }
+        for (int l = 0; l <= j; ++l) S[j * count + l] = -mrts_less_lanes(F, mrts_each(0), W + j * F, 1, W + l * F);
         u[j] = mrts_each(0);
     }
     mrts_cholesky_lanes(count, S, factor);
@@ -278,9 +275,7 @@ static mrts_lane_mask mrts_kept_torques(mrts_lane_program *program, const int *a
                                 program->x, u, gradient, missing);
         for (int i = 0; i < F; ++i) gradient[i] = -gradient[i];
         mrts_lane_forward(F, program->L, gradient);
-        for (int j = 0; j < count; ++j) {
-            for (int i = 0; i < F; ++i) missing[j] -= W[j * F + i] * gradient[i];
-        }
+        for (int j = 0; j < count; ++j) missing[j] = mrts_less_lanes(F, missing[j], W + j * F, 1, gradient);
         mrts_lane_forward(count, factor, missing);
         mrts_lane_backward(count, factor, missing);
         for (int j = 0; j < count; ++j) {

@@ -20,10 +20,8 @@ static mrts_lanes mrts_passed(const mrts_rows_lanes *rows, const mrts_lanes *fre
     enum { F = MRTS_UNKNOWNS - 1 };
     mrts_lanes most = mrts_each(0);
     for (int i = 0; i < rows->count; ++i) {
-        mrts_lanes value = mrts_each(0);
-        MRTS_UNROLL
-        for (int j = 0; j < F; ++j) value += rows->A[i * F + j] * free[j];
-        value = mrts_larger_lanes(value - rows->upper[i], rows->lower[i] - value);
+        const mrts_lanes less = mrts_less_lanes(F, mrts_each(0), rows->A + i * F, 1, free);
+        const mrts_lanes value = mrts_larger_lanes(-less - rows->upper[i], rows->lower[i] + less);
         *finite &= mrts_sizes(value) < MRTS_INFINITY;
         most = mrts_larger_lanes(most, value);
     }
@@ -40,10 +38,7 @@ static void mrts_bound_again(const mrts_rows_lanes *rows, const mrts_wrenches_be
         for (int l = 0; l < F; ++l) D[j * F + l] = a[l] * (known->scale[l] * known->scale[l]);
         for (int other = 0; other <= j; ++other) {
             const mrts_lanes *b = rows->A + (mrts_abs(known->active[other]) - 1) * F;
-            mrts_lanes sum = mrts_each(0);
-            MRTS_UNROLL
-            for (int l = 0; l < F; ++l) sum += D[j * F + l] * b[l];
-            G[j * m + other] = sum;
+            G[j * m + other] = -mrts_less_lanes(F, mrts_each(0), D + j * F, 1, b);
         }
     }
     mrts_cholesky_lanes(m, G, G);
