@@ -54,7 +54,7 @@ def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
 
 def row_products(first: Array, second: Array) -> Array:
     """Scalar products row by row, of two of Shape (N, k): Shape (N,)."""
-    products: Array = (first[:, None] @ second[:, :, None])[:, 0, 0]
+    products: Array = np.einsum("nk,nk->n", first, second)
     return products
 
 

@@ -83,7 +83,7 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     order = np.argsort(np.concatenate([ours.time, theirs.time[chosen]]), kind="stable")
 
     def merged(given: Array, added: Array) -> Array:
-        return np.concatenate([given, added[chosen]])[order]
+        return np.concatenate([given, added[chosen]]).take(order, axis=0)
 
     parts: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in PATH}
     told, remarks = (moved_remarks(of.remarks, ours.time, theirs.time[chosen]) for of in (ours, motion))

@@ -57,23 +57,26 @@ BENT = 0.05
 
 
 def refined_timing(
-    timed: RetimingResult, again: Callable[[CoordinatedMotion, RetimingResult], RetimingResult] | None
+    timed: RetimingResult,
+    again: Callable[[CoordinatedMotion, RetimingResult], RetimingResult],
+    tolerance: float | None,
 ) -> RetimingResult:
-    """A timing whose limits hold between samples to the tolerance of its options, or that says by how much they do not.
+    """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
 
     Each segment that oversteps limits, or is near it, is divided, of a fastest timing with those beside it, and
     first those that turn sharply. The whole path is timed again, a bounded number of times; the timing with the least
     excess is kept.
 
     Args:
-        again: The timing of the motion with further samples, told the one before; None adds none.
+        again: The timing of the motion with further samples, told the one before.
+        tolerance: Share of a limit by which it may be overstepped; None adds no samples.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
         SolverError: If no solver answers.
     """
     most = max(MOST_SAMPLES, MOST_TIMES * timed.motion.samples)
-    tolerance = BETWEEN if timed.options.between is None else timed.options.between
+    adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
     best, least, stalled, before = timed, Excess(np.inf, tolerance), 0, None
     for turn in range(MOST_ROUNDS + 1):
         if not timed.pieces:
@@ -81,19 +84,19 @@ def refined_timing(
         shares, worst = excess_between(timed, tolerance, before)
         before, is_fastest = (timed, shares), timed.pieces[0].profile is not None
         share = np.concatenate([its.T.copy().max(axis=0) for its in shares])  # faster by places than by segments
-        if again and turn == 0 and is_fastest:
+        if adds and turn == 0 and is_fastest:
             sharp = _sharpness([part.piece for part in timed.pieces])
             share = np.where(sharp > 1, np.maximum(share, tolerance * sharp**2), share)
         if worst.share < least.share:
             best, least, stalled = timed, worst, 0
         else:
             stalled += 1
-        if again is None or turn == MOST_ROUNDS or stalled == MOST_STALLED or not (share > tolerance).any():
+        if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not (share > tolerance).any():
             break
         share = np.where(share > NEAR * tolerance, share, 0.0)
         if is_fastest:  # its switches move out of a segment that is divided
-            beside = np.pad(share, 1)
-            share = np.max([beside[:-2], share, beside[2:]], axis=0)
+            beside = np.concatenate([np.zeros(1), share, np.zeros(1)])
+            share = np.maximum(np.maximum(beside[:-2], beside[2:]), share)
         parts = np.where(share > 0, np.ceil(np.sqrt(share / tolerance)).clip(2, PARTS), 1)  # excess goes as its square
         if timed.motion.samples + np.sum(parts - 1) > most:
             break
@@ -115,8 +118,8 @@ def _sharpness(pieces: Sequence[PathPiece]) -> Array:
 def _divided(cell: Cell, motion: CoordinatedMotion, parts: Array) -> CoordinatedMotion:
     """The motion with its segments divided into some parts each."""
     time, count = motion.object.time, parts.astype(int)
-    segment = np.repeat(np.arange(len(count)), count - 1)
-    place = np.concatenate([np.zeros(0), *(np.arange(1, of) / of for of in count[count > 1].tolist())])
+    segment = np.arange(len(count)).repeat(count - 1)
+    place = (np.arange(1, len(segment) + 1) - (count - 1).cumsum()[segment] + count[segment] - 1) / count[segment]
     return with_samples(cell, motion, time[segment] * (1 - place) + time[segment + 1] * place)
 
 
@@ -130,15 +133,15 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
         MotionError: If they cannot.
     """
     time = motion.object.time
-    doubtful = np.ones(len(time) - 1, dtype=bool)
+    doubtful = np.ones((len(time) - 1, 1), dtype=bool)
     of_object = motion.object.course
     if motion.samples >= COARSE and (of_object is None or isinstance(of_object, ProfiledPath | PoseSplines)):
         h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
         steps = np.diff(motion.q, axis=0)
         missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])
-        doubtful = np.abs(missed).max(axis=1) > BENT * np.abs(steps).max()
+        doubtful = np.abs(missed) > BENT * np.abs(steps).max()
     if doubtful.any():
-        between_samples(cell, motion, ((time[1:] + time[:-1]) / 2)[doubtful])
+        between_samples(cell, motion, ((time[1:] + time[:-1]) / 2)[doubtful.any(axis=1)])
 
 
 def excess_between(
@@ -177,7 +180,7 @@ def _least_excess(timed: RetimingResult, part: TimedPiece, before: tuple[Retimin
         number, own = known
         old, starts, ends = before[0].pieces[number], own[:-1], own[1:]
         speeds = np.maximum(np.abs(part.x[starts] - old.x[:-1]), np.abs(part.x[ends] - old.x[1:]))
-        rates = np.abs(part.rates[starts] - old.rates).max(axis=1)
+        rates = np.maximum(*np.abs(part.rates[starts] - old.rates).T)
         alike = (starts + 1 == ends) & (speeds <= ALIKE * old.x[:-1]) & (rates <= ALIKE * np.abs(old.rates).max())
         share[starts[alike]] = before[1][number][alike]
         new[starts[alike]] = False
@@ -207,9 +210,10 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Act
     """
     inside, segment, place, x, u = part.between()
     path = part.piece.fine.at(inside)
-    judged = [(timed.cell.load, part.plan)]
+    loads, carried = [timed.cell.load], [part.plan]
     if len(timed.loads) > 1:
-        judged += zip(timed.loads, part.carried, strict=True)
+        loads += timed.loads
+        carried += part.carried
     over: list[Array] = []
     row_at: list[Callable[..., ActiveRow]] = []
     rates, program = timed.options.rates, part.program
@@ -221,7 +225,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Act
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / program.jerk - 1)
         row_at.append(lambda row, **_side: ActiveRow(program.jerk_names[row], "upper", float(program.jerk[row])))
     rows = motion_rows(timed.cell, path, timed.options.sharing, circles=True)
-    for load, free in judged:
+    for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
         problem = build_sample_problem(rows, load=load, varying=True)
         values = apply(problem.A, np.column_stack([between, u, x]))

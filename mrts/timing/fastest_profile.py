@@ -69,7 +69,7 @@ def speed_regions(
     undecided = number > 0
     if rows.size:
         number, corners = _decided_projections(problem, rows, scale, bounds)
-        undecided = (number == 0) | (problem.lower > problem.upper).any(axis=1)  # sides that cross leave nothing
+        undecided = (number == 0) | (problem.lower > problem.upper).T.copy().any(axis=0)  # crossed sides leave none
     return SpeedRegions(*half_planes(samples, by_itself, scale, (number, corners), most, bound), bound, undecided)
 
 
