@@ -82,13 +82,14 @@ def intersect_regions(
     places = places or [np.arange(len(part.lower)) for part in regions]
     count = 1 + max(int(at[-1]) for at in places)
     lower, upper, undecided = np.zeros(count), np.full(count, np.inf), np.zeros(count, dtype=bool)
+    start = np.zeros(count + 1, dtype=np.int64)
     for part, at in zip(regions, places, strict=True):
         lower[at], upper[at] = np.maximum(lower[at], part.lower), np.minimum(upper[at], part.upper)
         undecided[at] |= part.undecided
+        start[at + 1] += np.diff(part.start)
     of = np.concatenate([at.repeat(np.diff(part.start)) for part, at in zip(regions, places, strict=True)])
-    start = np.append(0, np.bincount(of, minlength=count).cumsum())
     planes = np.concatenate([part.planes for part in regions]).take(of.argsort(kind="stable"), axis=0)
-    return SpeedRegions(start, planes, lower, upper, min(part.bound for part in regions), undecided)
+    return SpeedRegions(start.cumsum(), planes, lower, upper, min(part.bound for part in regions), undecided)
 
 
 def _decided_projections(
@@ -228,9 +229,8 @@ def _rises(step: Array, x: Array) -> Array:
     u, rise = (x[1:] - x[:-1]) / (2 * step), np.zeros(len(step))
     slope = 2 * (u[1:] - u[:-1]) / (step[1:] + step[:-1])
     before, after = slope[:-1], slope[1:]
-    lesser = np.minimum(np.abs(before), np.abs(after)) * step[1:-1]
-    lesser = np.copysign(np.minimum(lesser, MOST_RISE * median(np.abs(u))), before)
-    rise[1:-1] = np.where(before * after > 0, lesser, 0.0)
+    lesser = np.minimum(np.minimum(np.abs(before), np.abs(after)) * step[1:-1], MOST_RISE * median(np.abs(u)))
+    rise[1:-1] = np.where(before * after > 0, np.copysign(lesser, before), 0.0)
     return rise
 
 
