@@ -763,9 +763,14 @@ static void mrts_front_eliminate(int pivots, int stride, double *A, const double
 static void mrts_front_factor(const mrts_smooth_program *p, mrts_smooth_state *state) {
     const int n = p->nodes, f = p->free, there = mrts_front_next(p), stride = mrts_front_stride(p);
     double *A = state->fronts, *diagonal = A + stride * stride, *left = diagonal + f + 2;
-    for (int i = 0; i < stride * stride; ++i) A[i] = 0;
+    mrts_smooth_clear((f + 2) * (f + 2), left);
     for (int k = 0; k < n; ++k) {
         const int last = k == n - 1, pivots = last ? f + 2 : f + 1, next = last ? f + 1 : there + f;
+        mrts_smooth_clear(stride * stride, A);
+        for (int i = 0; i < f + 2; ++i) {
+            double *row = A + (i < f + 1 ? i : next) * stride;
+            for (int j = i; j < f + 2; ++j) row[j < f + 1 ? j : next] = left[i * (f + 2) + j];
+        }
         mrts_front_add_node(p, state, k, next, A, diagonal);
         if (!last) mrts_front_add_segment(p, state, k, A);
         for (int i = 0; i < f && mrts_front_held(p, k); ++i) mrts_front_hold(stride, i, A, diagonal[i] = 1);
@@ -774,15 +779,8 @@ static void mrts_front_factor(const mrts_smooth_program *p, mrts_smooth_state *s
         if (mrts_front_given(p, k + 1)) mrts_front_hold(stride, next, A, last ? (diagonal[f + 1] = 1) : 0);
         if (!last && mrts_front_given(p, k + 2)) mrts_front_hold(stride, next + 1, A, 0);
         mrts_front_eliminate(pivots, stride, A, diagonal, state->factor + k * mrts_front_size(p));
-        const int after = k == n - 2 ? f + 1 : there + f; /* where the next front has the last of what is left */
         for (int i = 0; i < f + 2 && !last; ++i) {
-            double *row = A + (i < f + 1 ? i : after) * stride;
-            mrts_smooth_copy(f + 2 - i, A + (there + i) * stride + there + i, left);
-            mrts_smooth_clear(stride, row);
-            for (int j = i; j < f + 2; ++j) row[j < f + 1 ? j : after] = left[j - i];
-        }
-        for (int i = f + 1; i < stride && !last; ++i) {
-            if (i != after) mrts_smooth_clear(stride, A + i * stride);
+            mrts_smooth_copy(f + 2 - i, A + (there + i) * (stride + 1), left + i * (f + 3));
         }
     }
 }
@@ -915,7 +913,7 @@ static long long mrts_smooth_state_in(const mrts_smooth_program *p, double *memo
         {&at->by_s, slots}, {&at->weight, slots}, {&at->missed, slots}, {&at->ds, slots}, {&at->dy, slots},
         {&at->target, slots}, {&at->gx, n}, {&at->gu, n}, {&at->gf, f}, {&at->px, n}, {&at->pu, n},
         {&at->pf, f}, {&at->b, unknowns}, {&at->w, unknowns}, {&at->border, unknowns}, {&at->factor, n * mrts_front_size(p)},
-        {&at->fronts, stride * (stride + 2)}, {&at->kept, mrts_smooth_kept(p)},
+        {&at->fronts, stride * (2 * stride + 1)}, {&at->kept, mrts_smooth_kept(p)},
     };
     long long taken = 0;
     for (unsigned i = 0; i < sizeof parts / sizeof *parts; taken += parts[i++].size) {
