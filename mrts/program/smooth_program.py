@@ -133,11 +133,6 @@ class SmoothProgram:
     ends: tuple[float | None, float | None] = (None, None)
     end_free: tuple[Array | None, Array | None] = (None, None)
 
-    @property
-    def spacing(self) -> Array:
-        """ω of the trapezoidal rule over the nodes, Shape (n,)."""
-        return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
-
     @cached_property
     def in_turn(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
         """The rows as C takes them, those whose change is limited first, and those that do nothing but bound x."""
@@ -156,13 +151,7 @@ class SmoothProgram:
         """
         kept, caps = self.in_turn
         last, r, (n, f) = len(kept), -(-(len(kept) + min(len(caps), 1)) // LANES) * LANES, self.free[:, 0].shape
-        rows, entry, used = dict[str, Array](), np.zeros((n, f, r)), np.zeros((r, f), dtype=bool)
-        for name, absent in ABSENT.items():
-            given = getattr(self, name)
-            if given is not None:
-                filled_up = np.full((*given.shape[:-1], r), absent)
-                filled_up[..., :last] = given[..., kept]
-                rows[name] = filled_up
+        rows, entry, used = self.rows_in(kept, r), np.zeros((n, f, r)), np.zeros((r, f), dtype=bool)
         if caps.size:
             rows["square"][:, last] = np.max(self.square[:, caps] / (self.upper - self.offset)[:, caps], axis=1)
             rows["upper"][:, last] = 1.0
@@ -171,23 +160,23 @@ class SmoothProgram:
         used = np.any(used.reshape(r // LANES, LANES, f), axis=1)  # from the first column of some rows to their last
         end = np.max(used * np.arange(1, f + 1), axis=1, initial=0)
         first = np.minimum(np.min(np.where(used, np.arange(f), f), axis=1, initial=f), end)
-        limited = np.count_nonzero(np.isfinite(self.change))
-        return filled(
-            PROGRAM,
-            **{name: getattr(self, name) for name in AS_THEY_ARE},
-            **{name: None if name in SELDOM and not np.any(of_rows) else of_rows for name, of_rows in rows.items()},
-            nodes=n,
-            rows=r,
-            free=f,
-            cones=self.gram.shape[1],
-            changes=limited,
-            jerks=len(self.jerk),
-            first=first,
-            count=end - first,
-            entry=entry,
-            change=self.change[kept[:limited]],
-            **{name: of is not None for name, of in zip(ENDS, (*self.ends, *self.end_free), strict=True)},
-        )
+        limited, (cones, jerks) = np.count_nonzero(np.isfinite(self.change)), (self.gram.shape[1], len(self.jerk))
+        sizes = {"nodes": n, "rows": r, "free": f, "cones": cones, "changes": limited, "jerks": jerks}
+        columns = {"first": first, "count": end - first, "entry": entry, "change": self.change[kept[:limited]]}
+        ends = {name: of is not None for name, of in zip(ENDS, (*self.ends, *self.end_free), strict=True)}
+        as_they_are = {name: getattr(self, name) for name in AS_THEY_ARE}
+        rows |= {name: None for name in SELDOM if not np.any(rows[name])}
+        return filled(PROGRAM, **as_they_are, **rows, **sizes, **columns, **ends)
+
+    def rows_in(self, kept: NDArray[np.int_], count: int) -> dict[str, Any]:
+        """Attributes of some rows, and behind them of as many that do not count as make `count`."""
+        rows = dict[str, Any]()
+        for name, absent in ABSENT.items():
+            given = getattr(self, name)
+            if given is not None:
+                rows[name] = np.full((*given.shape[:-1], count), absent)
+                rows[name][..., : len(kept)] = given[..., kept]
+        return rows
 
     def narrowed(self, share: float) -> Self:
         """The same program with limits further in by a share, at most a quarter of what is between."""
@@ -221,6 +210,11 @@ class SmoothProgram:
         moved = self.square * x[:, None] + self.rate * u[:, None] + self.root * np.sqrt(x)[:, None] + self.offset
         values: Array = moved + (self.free @ free[:, :, None])[:, :, 0]
         return values
+
+    @property
+    def spacing(self) -> Array:
+        """ω of the trapezoidal rule over the nodes, Shape (n,)."""
+        return np.convolve(self.step, [0.5, 0.5])
 
     def duration(self, x: Array) -> float:
         """Σ Δt [s]."""
@@ -322,9 +316,6 @@ LEAST_SHARE = 0.01
 
 SHARE = RowName("share of the limits")
 """Name of the row of s."""
-
-OF_SPEED = ("square", "rate", "root", "offset")
-"""What of the rows of a path does not depend on the distribution."""
 
 FROM_REST = 1.5
 """|σ̈| of the first two nodes of a path from rest, as a multiple of σ̇² over the length of the path in σ: a constant jerk
@@ -528,22 +519,16 @@ def of_shares(program: SmoothProgram) -> SmoothProgram:
     Each node has an s of its own, so that a place that needs all of a limit loosens no other; the square lets a tall
     one count more than a wide one. Sides that count may use s of themselves. The last row is s itself.
     """
-    low, high = whole_sides(program.free, program.sizes)
-    last, r = ((0, 0), (0, 1)), len(program.weight)
+    (low, high), r = whole_sides(program.free, program.sizes), len(program.weight)
+    moved = replace(program, lower=program.lower + low, upper=program.upper - high, low=low, high=high)
+    rows, free = moved.rows_in(np.arange(r), r + 1), np.pad(program.free, ((0, 0), (0, 1), (0, 1)))
+    rows["lower"][:, -1], rows["upper"][:, -1], free[:, -1, -1] = LEAST_SHARE, 1.0, 1.0
     start, end = (None if held is None else np.append(held, 1.0) for held in program.end_free)
-    nothing: dict[str, Any] = {name: np.pad(getattr(program, name), last) for name in OF_SPEED}
-    free = np.pad(program.free, (*last, (0, 1)))
-    free[:, -1, -1] = 1.0
     return replace(
         program,
-        **nothing,
+        **rows | {"weight": np.append(np.zeros(r), 1.0)},
         free=free,
-        lower=np.pad(program.lower + low, last, constant_values=LEAST_SHARE),
-        upper=np.pad(program.upper - high, last, constant_values=1.0),
-        low=np.pad(low, last),
-        high=np.pad(high, last),
         change=np.append(program.change, np.inf),
-        weight=np.append(np.zeros(r), 1.0),
         sizes=np.zeros((2, r + 1)),
         names=(*program.names[:r], SHARE, *program.names[r:]),
         end_free=(start, end),

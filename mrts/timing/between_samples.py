@@ -57,26 +57,23 @@ BENT = 0.05
 
 
 def refined_timing(
-    timed: RetimingResult,
-    again: Callable[[CoordinatedMotion, RetimingResult], RetimingResult],
-    tolerance: float | None,
+    timed: RetimingResult, again: Callable[[CoordinatedMotion, RetimingResult], RetimingResult] | None
 ) -> RetimingResult:
-    """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
+    """A timing whose limits hold between samples to the tolerance of its options, or that says by how much they do not.
 
     Each segment that oversteps limits, or is near it, is divided, of a fastest timing with those beside it, and
     first those that turn sharply. The whole path is timed again, a bounded number of times; the timing with the least
     excess is kept.
 
     Args:
-        again: The timing of the motion with further samples, told the one before.
-        tolerance: Share of a limit by which it may be overstepped; None adds no samples.
+        again: The timing of the motion with further samples, told the one before; None adds none.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
         SolverError: If no solver answers.
     """
     most = max(MOST_SAMPLES, MOST_TIMES * timed.motion.samples)
-    adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
+    tolerance = BETWEEN if timed.options.between is None else timed.options.between
     best, least, stalled, before = timed, Excess(np.inf, tolerance), 0, None
     for turn in range(MOST_ROUNDS + 1):
         if not timed.pieces:
@@ -84,14 +81,14 @@ def refined_timing(
         shares, worst = excess_between(timed, tolerance, before)
         before, is_fastest = (timed, shares), timed.pieces[0].profile is not None
         share = np.concatenate([its.T.copy().max(axis=0) for its in shares])  # faster by places than by segments
-        if adds and turn == 0 and is_fastest:
+        if again and turn == 0 and is_fastest:
             sharp = _sharpness([part.piece for part in timed.pieces])
             share = np.where(sharp > 1, np.maximum(share, tolerance * sharp**2), share)
         if worst.share < least.share:
             best, least, stalled = timed, worst, 0
         else:
             stalled += 1
-        if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not (share > tolerance).any():
+        if again is None or turn == MOST_ROUNDS or stalled == MOST_STALLED or not (share > tolerance).any():
             break
         share = np.where(share > NEAR * tolerance, share, 0.0)
         if is_fastest:  # its switches move out of a segment that is divided
@@ -210,10 +207,9 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Act
     """
     inside, segment, place, x, u = part.between()
     path = part.piece.fine.at(inside)
-    loads, carried = [timed.cell.load], [part.plan]
+    judged = [(timed.cell.load, part.plan)]
     if len(timed.loads) > 1:
-        loads += timed.loads
-        carried += part.carried
+        judged += zip(timed.loads, part.carried, strict=True)
     over: list[Array] = []
     row_at: list[Callable[..., ActiveRow]] = []
     rates, program = timed.options.rates, part.program
@@ -225,7 +221,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Act
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / program.jerk - 1)
         row_at.append(lambda row, **_side: ActiveRow(program.jerk_names[row], "upper", float(program.jerk[row])))
     rows = motion_rows(timed.cell, path, timed.options.sharing, circles=True)
-    for load, free in zip(loads, carried, strict=True):
+    for load, free in judged:
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
         problem = build_sample_problem(rows, load=load, varying=True)
         values = apply(problem.A, np.column_stack([between, u, x]))

@@ -23,6 +23,7 @@ from mrts.program.between_samples import Excess
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import motion_rows, travel_directions
 from mrts.program.path_solver import CONVERGED, StepsTaken
+from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import RangeStatus, motion_ranges
 from mrts.program.smooth_program import SmoothProgram, segment_times
 from mrts.program.torque_distribution import torque_weights
@@ -94,9 +95,10 @@ class SmoothPiece(TimedPiece):
         program: All limits of it, for all loads.
         steps: How the timing was found.
         carried: Free wrenches of the timing for each load, Shape (n, f).
-        plan: Free wrenches of the least torques that carry the cell's load within all limits and rates, Shape (n, f).
-        torque: Those torques, Shape (n, m) [N m].
-        wrench: Contact wrenches with them, Shape (n, n w) [N, N m].
+        plan: Free wrenches that carry the cell's own load: of the least torques within all limits and rates where it
+            is delivered, Shape (n, f).
+        problem: Rows of the own load at the nodes.
+        own: All limits of it.
     """
 
     piece: SmoothPath
@@ -104,8 +106,8 @@ class SmoothPiece(TimedPiece):
     steps: StepsTaken
     carried: tuple[Array, ...]
     plan: Array
-    torque: Array
-    wrench: Array
+    problem: SampleProblem
+    own: SmoothProgram
 
     def between(self) -> tuple[NDArray[np.int_], NDArray[np.int_], Array, Array, Array]:
         """The fine samples that are not nodes: which, segment, place in it, x and u there, each Shape (k,)."""
@@ -460,9 +462,10 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
 
 def smooth_torques(pieces: Sequence[TimedPiece]) -> tuple[Array, Array]:
     """Torques and wrenches of a smooth timing, Shape (N, m) and (N, n w); at a stop they are alike on both sides."""
-    planned = [(part.torque, part.wrench) for part in smooth_parts(pieces)]
-    torques, wrenches = map(_joined, zip(*planned, strict=True))
-    return torques, wrenches
+    parts = smooth_parts(pieces)
+    unknowns = [np.column_stack([part.plan, part.steps.profile.u, part.x]) for part in parts]
+    torques = _joined([part.problem.torque(of) for part, of in zip(parts, unknowns, strict=True)])
+    return torques, _joined([part.problem.wrench(of) for part, of in zip(parts, unknowns, strict=True)])
 
 
 def _joined(parts: Sequence[Array]) -> Array:

@@ -112,7 +112,7 @@ def retime(
     if stuck and options.between is not None:
         divided = fastest_timing(asked, without_sharp_turns(cell, given))
         first = divided if divided.pieces else first
-    fastest = refined_timing(first, partial(fastest_timing, asked), options.between)
+    fastest = refined_timing(first, None if options.between is None else partial(fastest_timing, asked))
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         found = smooth_timing(fastest, goal, progress)
         return _played(found, partial(motion_remarks, cell, given, given)) if found.pieces else found

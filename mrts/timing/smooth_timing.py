@@ -83,7 +83,12 @@ def smooth_timing(bare: RetimingResult, goal: Goal, progress: Progress) -> Retim
         slower = None if best.status is RangeStatus.UNBOUNDED else best.duration
         question = replace(question, usual=slower or usual)
         coarse = timing_at_nodes(question, nodes)
-    found = refined_timing(coarse, partial(timing_at_nodes, question), bare.options.between)
+    again = None if bare.options.between is None else partial(timing_at_nodes, question)
+    found = refined_timing(coarse, again)
+    if goal.room and len(bare.loads) == 1 and found.pieces:  # with room, wrenches are near enough to be refined with
+        again = None if found.excess is None or found.excess.passes else again
+        found = _with_plans(question, replace(found, status=coarse.status))
+        found = refined_timing(found, again and (lambda *told: _with_plans(question, timing_at_nodes(question, *told))))
     parts = smooth_parts(found.pieces)
     gains, least = [part.steps.gain for part in parts], sum(part.program.duration(part.steps.best.x) for part in parts)
     answer = SmoothAnswer(
@@ -115,7 +120,21 @@ def timing_at_nodes(
             return outcome(*found)
         pieces.append(found)
         start = search.end
-    return outcome(RetimingStatus.LOCALLY_OPTIMAL, pieces=tuple(pieces))
+    timed = outcome(RetimingStatus.LOCALLY_OPTIMAL, pieces=tuple(pieces))
+    return timed if question.goal.room and len(bare.loads) == 1 else _with_plans(question, timed)
+
+
+def _with_plans(question: SmoothQuestion, timed: RetimingResult) -> RetimingResult:
+    """A timing with the wrenches of the least torques for those that it was found with."""
+    pieces = list[SmoothPiece]()
+    for part in smooth_parts(timed.pieces):
+        profile, known = part.steps.profile, part.steps.shares
+        known = known if len(part.carried) == 1 else None  # of several loads they are no single one's
+        plan = question.solver.reserved_torques(part.own, profile.x, profile.u, known)
+        if plan is None:
+            raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
+        pieces.append(replace(part, plan=plan))
+    return replace(timed, pieces=tuple(pieces))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,15 +213,10 @@ class _Search:
             program, steps, carried = self.timed()
         except NoProfileError as none:
             return _why(question, none)
-        x, u, problem = steps.profile.x, steps.profile.u, self.problems[-1]
+        x, u = steps.profile.x, steps.profile.u
         if program.duration(x) < UNBOUNDED * piece.path.object.time[-1]:
             why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
             return RetimingStatus.UNBOUNDED, why
-        known = steps.shares if len(carried) == 1 else None  # of several loads they are no single one's
-        plan = question.solver.reserved_torques(self.program(len(self.problems) - 1), x, u, known)
-        if plan is None:
-            raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
-        unknowns = np.column_stack([plan, u, x])
         return SmoothPiece(
             piece=piece,
             x=x,
@@ -210,9 +224,9 @@ class _Search:
             program=program,
             steps=steps,
             carried=carried,
-            plan=plan,
-            torque=problem.torque(unknowns),
-            wrench=problem.wrench(unknowns),
+            plan=carried[0],
+            problem=self.problems[-1],
+            own=self.program(len(self.problems) - 1),
         )
 
     def timed(self) -> tuple[SmoothProgram, StepsTaken, tuple[Array, ...]]:
