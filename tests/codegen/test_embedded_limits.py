@@ -98,7 +98,8 @@ def friction(cell, motion):
 
 def soft_start(cell, motion):
     """A torque that may be the smaller the faster the first joint ever is."""
-    return replace(supply(cell, motion), lower=np.array([-150.0 / (1 + np.max(np.abs(motion.dq[:, 0])))]))
+    rows, lower = supply(cell, motion), np.array([-150.0 / (1 + np.max(np.abs(motion.dq[:, 0])))])
+    return replace(rows, limits=replace(rows.limits, lower=lower))
 
 
 @pytest.mark.parametrize(("limit", "what"), [(friction, "speed"), (soft_start, "motion")])
