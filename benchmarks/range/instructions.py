@@ -56,7 +56,7 @@ def count(name: str) -> None:
         source.write_text(
             cell_source(manifest, generated_text) + (HERE / "c" / "instructions.c").read_text(encoding="utf-8")
         )
-        wanted = [flag for flag in flags() if flag not in {"-fPIC", "-shared"}]
+        wanted = [flag for flag in flags((compiler,)) if flag not in {"-fPIC", "-shared"}]
         build = [compiler, *wanted, "-g", "-fno-inline-functions", str(source), "-o", str(program), "-lm"]
         subprocess.run(build, check=True)  # noqa: S603 (fixed commands on files of our own, here and below)
         samples_file(data, cell, motion)

@@ -20,20 +20,14 @@ from mrts.base.errors import NEAREST_INERTIA, InputError
 from mrts.base.formats.record import MadeAgain, read_json
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import FileReference, plain
-from mrts.base.manifest import (
-    CHAINS_NAME,
-    FOR_REDUNDANT_ARMS,
-    MANIFEST_NAME,
-    OF_MOTION,
-    ChainsRecord,
-    check_source,
-)
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, OF_MOTION, ChainsRecord, check_source
 from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
 from mrts.cell.robot import Robot
 from mrts.kernel.c_text import (
     CELL_FILES,
+    IN_LANES,
     SELDOM,
     TRACKING,
     cell_source,
@@ -93,7 +87,7 @@ class GeneratedFunctions(MadeAgain):
         def part(name: str) -> CDLL:
             if name == "cell":
                 opened = compiled_library(manifest.source.removesuffix(".c"), cell_source(manifest, origin), CELL_FILES)
-                return _checked(manifest, opened, manifest.functions.keys() - {*SELDOM, *FOR_REDUNDANT_ARMS}, "_lanes")
+                return _checked(manifest, opened, {*manifest.functions} - {*SELDOM, *OF_MOTION} | {*IN_LANES}, "_lanes")
             if name == "motion":
                 opened = compiled_library("motion", motion_source(manifest, origin), (TRACKING,))
                 return _checked(manifest, opened, manifest.functions.keys() & {*OF_MOTION})
