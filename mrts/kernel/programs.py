@@ -169,6 +169,6 @@ def fastest_speeds(
         The sample that has no controllable x, -1 if all have one; and then the largest at every sample, from the one
         nearest to `first` on, Shape (n,).
     """
-    x, work = np.full(len(step) + 1, first), np.empty(4 * len(planes) + 8)
+    x, work = np.full(len(step) + 1, first), np.empty(8 * len(planes) + 14 * len(lower))
     given = len(step), step, rise, start, planes, lower, upper, x, work
     return int(program_library(PROJECTIONS).mrts_fastest(*given)), x

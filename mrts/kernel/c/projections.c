@@ -675,17 +675,21 @@ static int mrts_nearest(const mrts_bounds *bounds, double from, double to, long 
 
 /* Backward: the controllable sets [low, high] of samples 0 .. last, given as bounds of x and that of the last sample.
  * Forward: from the x[0] in them the largest controllable speed at each next sample. Returns the sample that has none, -1 if all
- * have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. */
+ * have one. start[i] .. start[i + 1] - 1 are the half-planes of sample i. `work` has 8 reals for each and 14 for each sample. */
 MRTS_EXPORT long long mrts_fastest(long long last, const double *step, const double *rise, const long long *start,
                                    const double *planes, double *low, double *high, double *x, double *work) {
     long long meet[2][2] = {{-1, -1}, {-1, -1}};
+    mrts_bounds *kept = (mrts_bounds *)(void *)work; /* of the segments, before them all in work */
+    work = (double *)(void *)(kept + last);
     for (long long i = last - 1; i >= 0; --i) {
         const double reach[2] = {low[i + 1], high[i + 1]};
-        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], planes + 3 * start[i + 1],
-                                                planes + 3 * start[i + 2], reach, low[i], high[i], work);
+        const mrts_bounds *bounds = kept + i;
+        kept[i] = mrts_segment(step[i], rise[i], planes + 3 * start[i], planes + 3 * start[i + 1], planes + 3 * start[i + 2],
+                               reach, low[i], high[i], work);
+        work += 4 * (start[i + 2] - start[i] + 2);
         double least, most; /* x_i that leaves some u */
-        if (bounds.low > bounds.high || !mrts_nearest(&bounds, bounds.low, bounds.high, meet[0], &least) ||
-            !mrts_nearest(&bounds, bounds.high, bounds.low, meet[1], &most)) {
+        if (bounds->low > bounds->high || !mrts_nearest(bounds, bounds->low, bounds->high, meet[0], &least) ||
+            !mrts_nearest(bounds, bounds->high, bounds->low, meet[1], &most)) {
             return i;
         }
         low[i] = least;
@@ -694,10 +698,7 @@ MRTS_EXPORT long long mrts_fastest(long long last, const double *step, const dou
     for (long long i = 0; i <= last; ++i) {
         x[i] = x[i] < low[i] ? low[i] : x[i] > high[i] ? high[i] : x[i];
         if (i == last) break;
-        const double reach[2] = {low[i + 1], high[i + 1]};
-        const mrts_bounds bounds = mrts_segment(step[i], rise[i], planes + 3 * start[i], planes + 3 * start[i + 1],
-                                                planes + 3 * start[i + 2], reach, x[i], x[i], work);
-        const mrts_rates u = mrts_rates_at(&bounds, x[i]);
+        const mrts_rates u = mrts_rates_at(kept + i, x[i]);
         x[i + 1] = x[i] + 2 * step[i] * (u.most >= u.least ? u.most : (u.most + u.least) / 2);
     }
     return -1;
