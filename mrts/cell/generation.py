@@ -26,6 +26,7 @@ from mrts.base.yaml_text import MAX_YAML_BYTES
 from mrts.cell.record import CellManifest, CellRecord, read_generated, verified_manifest
 from mrts.cell.robot import Robot
 from mrts.kernel.c_text import (
+    BATCH,
     CELL_FILES,
     IN_LANES,
     SELDOM,
@@ -38,6 +39,7 @@ from mrts.kernel.c_text import (
 from mrts.kernel.cache_folder import cache_folder, only_ours
 from mrts.kernel.cell_library import CellLibrary
 from mrts.kernel.compiler import compiled_library
+from mrts.kernel.programs import opened_programs
 
 MAKE_AGAIN = "Make C file and manifest again: `mrts generate`."
 
@@ -87,6 +89,7 @@ class GeneratedFunctions(MadeAgain):
         def part(name: str) -> CDLL:
             if name == "cell":
                 opened = compiled_library(manifest.source.removesuffix(".c"), cell_source(manifest, origin), CELL_FILES)
+                opened_programs.setdefault(BATCH, opened)
                 return _checked(manifest, opened, {*manifest.functions} - {*SELDOM, *OF_MOTION} | {*IN_LANES}, "_lanes")
             if name == "motion":
                 opened = compiled_library("motion", motion_source(manifest, origin), (TRACKING,))

@@ -15,8 +15,8 @@ BATCH, PROJECTIONS, SMOOTH = "batch.c", "projections.c", "smooth_timing.c"
 TRACKING = "tracking.c"
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
-CELL_FILES = ("trajectory.c", "widening.c", "arm_tips.c")
-"""What needs a cell's sizes, and generated functions in lanes."""
+CELL_FILES = (BATCH, "trajectory.c", "widening.c", "arm_tips.c")
+"""What needs a cell's sizes, and generated functions in lanes; with it batches, whose solvers these take too."""
 
 SMOOTH_LEVEL = """#if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O2")

@@ -2,7 +2,6 @@
 """Small dense programs in C: batches of any size in one foreign call."""
 
 import ctypes
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +18,16 @@ OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""
 
 
-@cache
+opened_programs: dict[str, ctypes.CDLL] = {}
+"""Libraries of programs, by file; one of a cell has `BATCH` too."""
+
+
 def program_library(file: str) -> ctypes.CDLL:
     """The library of a file of programs, compiled when one of them is first asked, once for all cells."""
-    text = SMOOTH_LEVEL * (file == SMOOTH) + one_text((file,))
-    return compiled_library(f"mrts_{file.removesuffix('.c')}", text, (file,))
+    if file not in opened_programs:
+        text = SMOOTH_LEVEL * (file == SMOOTH) + one_text((file,))
+        opened_programs[file] = compiled_library(f"mrts_{file.removesuffix('.c')}", text, (file,))
+    return opened_programs[file]
 
 
 def solve_batch(
