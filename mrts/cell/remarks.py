@@ -28,10 +28,13 @@ ANY_JOINT = 100.0
 """Effort that no arm has in its last joint as in its first [N m]: published URDFs give 100, 300, 1000, 5e4."""
 
 FEWEST_JOINTS = 3
-"""Joints from which on equal efforts are no accident."""
+"""Revolute joints from which on equal efforts are no accident."""
 
 EARTHLY = (9.0, 10.5)
 """Sizes of a gravity that is meant to be the earth's [m/s²]."""
+
+PRINTED = 1e-4
+"""How far a posture may be outside of a limit for being typed with few digits [rad or m]."""
 
 STRAIGHT = 0.9
 """Share of gravity along one axis from which on that is the vertical."""
@@ -150,7 +153,8 @@ def _posture(robot: Robot) -> Iterator[Remark]:
         )
         return
     lower, upper, given = robot.position_lower, robot.position_upper, robot.posture
-    for place in np.flatnonzero(((given < lower) | (given > upper)) & (lower < upper))[:1]:
+    outside = (given < lower - PRINTED) | (given > upper + PRINTED)
+    for place in np.flatnonzero(outside & (lower < upper))[:1]:
         limits = f"[{lower[place]:.4g}, {upper[place]:.4g}]"
         text = f"the posture of robot '{robot.name}' has {robot.joints[place]} at {given[place]:.4g}, outside {limits}."
         yield Remark.hint("posture-outside", text)
@@ -158,7 +162,7 @@ def _posture(robot: Robot) -> Iterator[Remark]:
 
 def _efforts(robot: Robot) -> Iterator[Remark]:
     efforts = {*robot.torque_upper.tolist()}
-    turning = len(robot.joints) >= FEWEST_JOINTS and "prismatic" not in robot.joint_types
+    turning = np.count_nonzero(robot.turns) >= FEWEST_JOINTS
     if torque_source(robot) == "URDF" and turning and len(efforts) == 1:
         effort = efforts.pop()
         if ANY_JOINT <= effort < np.inf:

@@ -11,7 +11,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import cell_limits as of_cell
 from mrts.limits import motion_limits as of_motion
-from mrts.limits.rows import LimitRows, checked_rows, shrunk, stack_rows
+from mrts.limits.rows import LimitRows, checked_rows, stack_rows
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 """The rows of a limit along a motion; one of your own: docs/extending.md."""
@@ -46,8 +46,8 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows = stack_rows([rows.bounded() for _, rows in rows_by_limit(cell, motion)])
-    return replace(rows, limits=shrunk(rows.limits, cell.reserve)) if cell.reserve else rows
+    rows = stack_rows([rows.bounded for _, rows in rows_by_limit(cell, motion)], known=not cell.limits)
+    return replace(rows, limits=rows.limits.shrunk(cell.reserve)) if cell.reserve else rows
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

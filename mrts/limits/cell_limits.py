@@ -18,6 +18,7 @@ from mrts.limits.rows import (
     RowName,
     joint_rows,
     object_axes,
+    once,
     row_names,
     wrench_rows,
 )
@@ -25,24 +26,22 @@ from mrts.limits.rows import (
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
-    return LimitRows(limits=_torque_sides(cell))
+    return _torque_sides(cell).alone
 
 
-@lru_cache(maxsize=KNOWN_CELLS)
+@once
 def _torque_sides(cell: Cell) -> RowLimits:
-    names, (lower, upper) = (
-        joint_rows(cell, "torque", "torque_units"),
-        map(cell.stacked, ("torque_lower", "torque_upper")),
-    )
+    names = joint_rows(cell, "torque", "torque_units")
+    lower, upper = map(cell.stacked, ("torque_lower", "torque_upper"))
     return RowLimits.of(cell, names, lower, upper, torque_matrix=np.eye(len(names)))
 
 
 def wrench_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
-    return LimitRows(limits=_wrench_sides(cell))
+    return _wrench_sides(cell).alone
 
 
-@lru_cache(maxsize=KNOWN_CELLS)
+@once
 def _wrench_sides(cell: Cell) -> RowLimits:
     names, (lower, upper) = wrench_rows(cell, "wrench"), map(cell.stacked, ("wrench_lower", "wrench_upper"))
     return RowLimits.of(cell, names, lower, upper, wrench_matrix=np.eye(len(names)))
@@ -56,7 +55,7 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return LimitRows(limits=limits, object_axes=None if limits.object_matrix is None else object_axes(cell, motion))
 
 
-@lru_cache(maxsize=KNOWN_CELLS)
+@once
 def _contact_sides(cell: Cell) -> RowLimits:
     contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
     names = tuple(
@@ -91,7 +90,7 @@ def velocity_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return LimitRows(limits=_velocity_sides(cell), speed=speed)
 
 
-@lru_cache(maxsize=KNOWN_CELLS)
+@once
 def _velocity_sides(cell: Cell) -> RowLimits:
     names = joint_rows(cell, "velocity", "position_units", "/s")
     of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
@@ -131,7 +130,7 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return LimitRows(limits=_curve_sides(cell), speed=np.where(np.isfinite(slope), slope, 1.0) * motion.dq[:, joint])
 
 
-@lru_cache(maxsize=KNOWN_CELLS)
+@once
 def _curve_sides(cell: Cell) -> RowLimits:
     names, joint, limit, slope = curve_rows(cell)
     matrix = np.isfinite(slope)[:, None] * np.eye(len(cell.joint_names))[joint]

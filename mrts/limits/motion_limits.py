@@ -2,17 +2,16 @@
 """Limits of the motion alone, whatever carries it: accelerations, points of arms and object, things on the object."""
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from mrts.base.arrays import Array, cross, row_products
 from mrts.base.rigid_transform import rotations_from_vectors
-from mrts.cell.cell import KNOWN_CELLS, Cell
+from mrts.cell.cell import Cell
 from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import KNOWN_LIMITS, LimitRows, RowLimits, RowName, joint_rows, row_names, stack_rows
+from mrts.limits.rows import LimitRows, RowLimits, RowName, joint_rows, once, row_names, stack_rows
 
 NORM_SIDES = 224
 """Sides of the polygon that stands for a circle: inside it, by at most 1 - cos(π / 224) < 1e-4 of the radius."""
@@ -25,7 +24,7 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | No
     """a⁻ <= q' r̈ + q'' ṙ² <= a⁺, one row a joint, and the sizes of the object's acceleration."""
     if not cell.limits_motion:
         return None
-    pieces = [LimitRows(limits=_joint_sides(cell), rate=motion.dq, square=motion.ddq).bounded()]
+    pieces = [LimitRows(limits=_joint_sides(cell), rate=motion.dq, square=motion.ddq).bounded]
     names = row_names("acceleration", "object", ("linear", "angular"), ("m/s²", "rad/s²"))
     rates, given = motion.object.twist.reshape(-1, 2, 3), motion.object.acceleration.reshape(-1, 2, 3)
     for part, (name, limit) in enumerate(zip(names, cell.object_acceleration_limit.tolist(), strict=True)):
@@ -34,7 +33,7 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | No
     return stack_rows(pieces)
 
 
-@lru_cache(maxsize=KNOWN_CELLS)
+@once
 def _joint_sides(cell: Cell) -> RowLimits:
     names = joint_rows(cell, "acceleration", "position_units", "/s²")
     lower, upper = map(cell.stacked, ("acceleration_lower", "acceleration_upper"))
@@ -109,7 +108,7 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
     return LimitRows(limits=_circle_sides(cell, name, limit), **columns)
 
 
-@lru_cache(maxsize=KNOWN_LIMITS)
+@once
 def _circle_sides(cell: Cell, name: RowName, limit: float) -> RowLimits:
     most, names = np.full(NORM_SIDES // 2, limit), [replace(name, sides=NORM_SIDES)] * (NORM_SIDES // 2)
     return RowLimits.of(cell, names, -most, most, ("rate", "square"))

@@ -3,8 +3,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
-from itertools import chain
+from functools import cached_property, lru_cache, wraps
+from itertools import chain, compress
 from operator import attrgetter
 from typing import Any, Literal, Self
 
@@ -84,7 +84,7 @@ OF_ROWS = (*GIVEN, "object_matrix", "size")
 """Attributes with an entry for each row, which are always given, and all."""
 
 KNOWN_LIMITS = 4 * KNOWN_CELLS
-"""Limits of which what follows from them is kept: those of a cell, their bounded ones, and those that are no caps."""
+"""So many limits of one kind are kept: circles of accelerations, of which a cell has several, and stacks."""
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -162,6 +162,19 @@ class RowName:
     def contact(self) -> str:
         """`left/pad` for a row of that contact, empty for any other."""
         return f"{self.robot}/{self.element.split()[0]}" if self.kind == "contact" else ""
+
+
+def once(make: Callable[..., "RowLimits"]) -> Callable[..., "RowLimits"]:
+    """Limits that are the same along any motion: made once of what they are made of, and nobody can write to them."""
+
+    @lru_cache(maxsize=KNOWN_LIMITS)
+    @wraps(make)
+    def known(*given: Any) -> RowLimits:
+        limits = make(*given)
+        freeze(limits)
+        return limits
+
+    return known
 
 
 @lru_cache(maxsize=256)
@@ -281,6 +294,7 @@ class RowLimits:
         torque_matrix: M_τ, Shape (r, m).
         wrench_matrix: M_F, Shape (r, n w).
         object_matrix: M_H, Shape (r, n w); None where no row has such a term.
+        base: The cell's `base_axes`; there if M_H is.
         terms: Which rows have a term in each of `COLUMNS`, Shape (4, r).
         size: What 100 % of each limit is, Shape (r,), where its sides do not tell: of limits that a reserve moved.
     """
@@ -291,6 +305,7 @@ class RowLimits:
     torque_matrix: Array
     wrench_matrix: Array
     object_matrix: Array | None = None
+    base: tuple[Array, list[int]] | None = None
     terms: NDArray[np.bool_]
     size: Array | None = None
 
@@ -302,7 +317,8 @@ class RowLimits:
         count, terms = len(names), np.isin(COLUMNS, [*columns])[:, None].repeat(len(names), axis=1)
         given.setdefault("torque_matrix", np.zeros((count, len(cell.joint_names))))
         given.setdefault("wrench_matrix", np.zeros((count, len(cell.robots) * len(cell.wrench_components))))
-        return cls(names=tuple(names), lower=lower, upper=upper, terms=terms, **given)
+        base = None if given.get("object_matrix") is None else base_axes(cell)
+        return cls(names=tuple(names), lower=lower, upper=upper, base=base, terms=terms, **given)
 
     @cached_property
     def units(self) -> Array:
@@ -332,9 +348,9 @@ class RowLimits:
 
     @cached_property
     def in_squares(self) -> NDArray[np.intp]:
-        """Places of the s rows with no term but b ṙ or e ṙ², which bound ṙ², Shape (s,)."""
+        """Places of the s rows with no term but one of b ṙ and e ṙ², which bound ṙ², Shape (s,)."""
         _, speed, square, _ = self.terms
-        return np.flatnonzero(self.is_of_speed & (speed != square))
+        return np.flatnonzero(self.is_of_speed & ~(speed & square))
 
     @cached_property
     def by_speed(self) -> NDArray[np.bool_]:
@@ -382,41 +398,71 @@ class RowLimits:
         """What 100 % of the lower and of the upper side is, each Shape (r,): its own size; of a zero, `units`."""
         return side_size(self.lower, self.units), side_size(self.upper, self.units)
 
+    @cached_property
+    def in_c(self) -> Any:
+        """The `mrts_limits` of rows.h."""
+        row, column = self.matrix.nonzero()
+        base, axes = self.base or (None, (0, 1, 2))
+        return filled(
+            structure("rows.h", "mrts_limits"),
+            rows=len(self.names),
+            start=np.searchsorted(row, np.arange(len(self.names) + 1)),
+            column=column,
+            value=self.matrix[row, column],
+            lower=np.maximum(self.lower, -INFINITY),
+            upper=np.minimum(self.upper, INFINITY),
+            group=self.groups,
+            base=base,
+            axes=axes,
+        )
 
-@lru_cache(maxsize=KNOWN_LIMITS)
-def shrunk(limits: RowLimits, reserve: float) -> RowLimits:
-    """The same limits with each side moved inward by a share of its size; where both are one number, it stays.
+    @cached_property
+    def alone(self) -> "LimitRows":
+        """The rows that have no terms but these."""
+        return LimitRows(limits=self)
 
-    Sides that are closer than that cross: such rows admit nothing.
-    """
-    low, high = limits.side_sizes()
-    moves = reserve * (limits.lower < limits.upper)
-    return replace(limits, lower=limits.lower + moves * low, upper=limits.upper - moves * high, size=limits.units)
+    @cached_property
+    def _made(self) -> dict[bytes | float, "RowLimits"]:
+        """What `only` and `shrunk` have made of them."""
+        return {}
+
+    def only(self, kept: NDArray[np.bool_]) -> "RowLimits":
+        """Those of some of the rows."""
+        key = kept.tobytes()
+        if key not in self._made:
+            names = tuple(compress(self.names, kept))
+            self._made[key] = with_part(self, OF_ROWS, kept, names=names, terms=self.terms[:, kept])
+        return self._made[key]
+
+    def shrunk(self, reserve: float) -> "RowLimits":
+        """The same with each side moved inward by a share of its size; where both are one number, it stays.
+
+        Sides that are closer than that cross: such rows admit nothing.
+        """
+        if reserve not in self._made:
+            low, high = self.side_sizes()
+            moves = reserve * (self.lower < self.upper)
+            lower, upper = self.lower + moves * low, self.upper - moves * high
+            self._made[reserve] = replace(self, lower=lower, upper=upper, size=self.units)
+        return self._made[reserve]
 
 
-@lru_cache(maxsize=KNOWN_LIMITS)
-def _some(limits: RowLimits, kept: bytes) -> RowLimits:
-    places = np.frombuffer(kept, dtype=bool).nonzero()[0]
-    names, terms = tuple(limits.names[place] for place in places.tolist()), limits.terms[:, places]
-    some = with_part(limits, OF_ROWS, places, names=names, terms=terms)
-    freeze(some)
-    return some
-
-
-@lru_cache(maxsize=KNOWN_LIMITS)
-def _stacked(given: tuple[RowLimits, ...]) -> RowLimits:
+def _stacked(given: Sequence[RowLimits]) -> RowLimits:
     def joined(name: str) -> Array:
         return np.concatenate([*map(attrgetter(name), given)])
 
-    limits = RowLimits(
+    turned = next((of for of in given if of.object_matrix is not None), None)
+    return RowLimits(
         names=tuple(chain.from_iterable(map(attrgetter("names"), given))),
         **{name: joined(name) for name in GIVEN},
-        object_matrix=None if all(of.object_matrix is None for of in given) else joined("in_object_axes"),
+        object_matrix=None if turned is None else joined("in_object_axes"),
+        base=None if turned is None else turned.base,
         terms=np.concatenate([of.terms for of in given], axis=1),
         size=None if all(of.size is None for of in given) else joined("units"),
     )
-    freeze(limits)
-    return limits
+
+
+_known_stack = once(_stacked)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -445,8 +491,9 @@ class LimitRows:
     @classmethod
     def of(cls, cell: Cell, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
         """Rows of a cell, with zeros for the matrices that are not given; `terms` are these, and attributes as here."""
-        own = {name: terms.pop(name) for name in (*COLUMNS, "object_axes") if name in terms}
-        return cls(limits=RowLimits.of(cell, names, lower, upper, own, **terms), **own)
+        own = {name: terms.pop(name, None) for name in (*COLUMNS, "object_axes")}
+        columns = [name for name, column in own.items() if column is not None]
+        return cls(limits=RowLimits.of(cell, names, lower, upper, columns, **terms), **own)
 
     @property
     def names(self) -> tuple[RowName, ...]:
@@ -491,10 +538,14 @@ class LimitRows:
         """Some of the rows; a column in which they have no term is None."""
         if kept.all():
             return self
-        limits, places = _some(self.limits, kept.tobytes()), kept.nonzero()[0]
-        columns = {name: getattr(self, name)[:, places] for name in limits.columns}
+        limits, places, columns = self.limits.only(kept), kept.nonzero()[0], dict[str, Array]()
+        for name in COLUMNS:
+            column = getattr(self, name)
+            if column is not None and (name in limits.columns or name not in self.limits.columns):
+                columns[name] = column[:, places]
         return LimitRows(limits=limits, object_axes=self.object_axes, **columns)
 
+    @cached_property
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
         return self.only(self.limits.is_bounded)
@@ -514,9 +565,10 @@ def counted_sizes(lower: Array, upper: Array, units: Array) -> Array:
     return np.stack([side_size(lower, units), side_size(upper, units)]) / units * (lower < upper)
 
 
-def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
-    """All rows of several limits along one motion, in order."""
-    limits, axes, start = _stacked(tuple(piece.limits for piece in given)), None, 0
+def stack_rows(given: Sequence[LimitRows], *, known: bool = True) -> LimitRows:
+    """All rows of several limits along one motion, in order; `known` are limits that are asked for again and again."""
+    limits = (_known_stack if known else _stacked)(tuple(piece.limits for piece in given))
+    axes, start = None, 0
     columns: dict[str, Array] = {}
     for piece in given:
         rows = slice(start, start + len(piece.names))
@@ -526,26 +578,6 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
                 columns.setdefault(name, np.zeros((len(limits.names), len(part))).T)[:, rows] = part
         axes, start = axes if piece.object_axes is None else piece.object_axes, rows.stop
     return LimitRows(limits=limits, object_axes=axes, **columns)
-
-
-@lru_cache(maxsize=KNOWN_LIMITS)
-def kernel_limits(cell: Cell, limits: RowLimits) -> Any:
-    """Limits as C reads them."""
-    matrix = limits.matrix
-    row, column = matrix.nonzero()
-    base, axes = (None, (0, 1, 2)) if limits.object_matrix is None else base_axes(cell)
-    return filled(
-        structure("rows.h", "mrts_limits"),
-        rows=len(matrix),
-        start=np.searchsorted(row, np.arange(len(matrix) + 1)),
-        column=column,
-        value=matrix[row, column],
-        lower=np.maximum(limits.lower, -INFINITY),
-        upper=np.minimum(limits.upper, INFINITY),
-        group=limits.groups,
-        base=base,
-        axes=axes,
-    )
 
 
 def limit_name(limit: Callable[..., object]) -> str:

@@ -2,6 +2,7 @@
 """Rows of a table that hold the cell still before and after the motion: where they are needed, and which they are."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 
@@ -12,7 +13,8 @@ REST = 1e-9
 """Joint speeds below this share of the largest of the motion are rest, accelerations below it none: rounding."""
 
 JOINT_STANDS = 1e-6
-"""The same of a single joint, whose friction then has no direction: rounded numbers of a URDF move it by as much."""
+"""A joint that is never faster than this share of the fastest one stands: rounded numbers of a URDF move it by as much,
+and its friction has no direction."""
 
 ROUNDED = 0.01
 """Share by which the time of a row may be off: tables may carry few digits."""
@@ -34,6 +36,12 @@ def pushing_ends(dq: Array, ddq: Array) -> tuple[bool, bool]:
     (speed, fastest), (change, most) = ((of[[0, -1]].max(axis=1), of.max()) for of in (np.abs(dq), np.abs(ddq)))
     pushes = (speed <= REST * fastest) & (change > REST * most)
     return bool(pushes[0]), bool(pushes[1])
+
+
+def standing(dq: Array) -> NDArray[np.bool_]:
+    """Which joints stand along a whole motion, Shape (m,), by their velocities, Shape (N, m)."""
+    fastest = np.abs(dq).max(axis=0)
+    return np.asarray(fastest <= JOINT_STANDS * fastest.max())
 
 
 def moving_rows(time: Array, q: Array, dq: Array, ddq: Array) -> slice:

@@ -23,7 +23,7 @@ from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_lim
 from mrts.limits.rows import LimitRows, RowName, base_axes, limit_name, stack_rows
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.motion.rows_at_rest import JOINT_STANDS
+from mrts.motion.rows_at_rest import REST
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
@@ -160,7 +160,7 @@ def _motors(cell: Cell, joint: NDArray[np.intp], slope: Array, line_rows: Sequen
         "LINE_JOINTS": joint[is_line],
         "SLOPE": slope[is_line],
         "END_JOINTS": joint[~is_line],
-        "REST": np.array(JOINT_STANDS),
+        "REST": np.array(REST),
     }
 
 

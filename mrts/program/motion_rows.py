@@ -16,8 +16,8 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.binding import filled, structure, work_arrays
 from mrts.kernel.cell_library import sample_inputs
 from mrts.limits import limit_rows
-from mrts.limits.rows import LimitRows, few_sides, kernel_limits
-from mrts.motion.rows_at_rest import JOINT_STANDS
+from mrts.limits.rows import LimitRows, few_sides
+from mrts.motion.rows_at_rest import REST, standing
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -86,9 +86,9 @@ def travel_directions(motion: CoordinatedMotion) -> Array:
     if motion.travel is not None:
         return motion.travel
     dq, ddq = motion.dq, motion.ddq
-    speed, change = np.abs(dq), np.abs(ddq)
-    moving = np.where(speed > JOINT_STANDS * speed.max(), np.sign(dq), 0.0)
-    leaving = np.where(change > JOINT_STANDS * change.max(), np.sign(ddq), 0.0)
+    speed, change, moves = np.abs(dq), np.abs(ddq), ~standing(dq)
+    moving = np.where((speed > REST * speed.max()) & moves, np.sign(dq), 0.0)
+    leaving = np.where((change > REST * change.max()) & moves, np.sign(ddq), 0.0)
     before, after = np.where(moving == 0, -leaving, moving), np.where(moving == 0, leaving, moving)
     before[0], after[-1] = after[0], before[-1]
     return np.array([before, after])
@@ -226,7 +226,7 @@ class MotionRows:
         `asked` is what it takes of each of k samples, `for_all` what it takes besides, `outputs` what it fills. ṙ is
         one of all of them, or Shape (k, 1), and None where it is to be found.
         """
-        library, count, limits = self.cell.library, len(asked[0]), kernel_limits(self.cell, self.kept.limits)
+        library, count, limits = self.cell.library, len(asked[0]), self.kept.limits.in_c
         given = sample_inputs(library.records["wrench_form"], count, self.inputs(load, samples))
         kept, motors = self.kept, self.motors
         if samples is not None:
@@ -256,7 +256,8 @@ class MotionRows:
     @property
     def has_speed_terms(self) -> bool:
         """Whether a row has a term in ṙ beside others."""
-        return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
+        by_motors = self.motors is not None and self.motors.speed is not None
+        return by_motors or "speed" in self.given.limits.squared.columns
 
     def along(self, motion: CoordinatedMotion) -> "MotionRows":
         """The rows of the same cell and the same programs along another motion."""

@@ -14,7 +14,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.binding import filled
 from mrts.kernel.cell_library import pointers
-from mrts.limits.rows import ActiveRow, RowName, counted_sizes, kernel_limits
+from mrts.limits.rows import ActiveRow, RowName, counted_sizes
 from mrts.program.formulation import FORMULATIONS
 from mrts.program.motion_rows import TERMS, MotionRows, added_terms, largest_square, side_share
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -225,7 +225,7 @@ def build_sample_problem(
     A, (lower, upper) = np.empty((count, r, k)), np.empty((2, count, r))
     speed = np.empty((count, r)) if rows.has_speed_terms else None
     rate = {"torque_square": motors and motors.rate, "square": given.rate} if varying else {}
-    form, limits = pointers([maps[name] for name in FORM]), kernel_limits(cell, given.limits)
+    form, limits = pointers([maps[name] for name in FORM]), given.limits.in_c
     cell.library.opened.mrts_form_rows(
         *(count, k, form, inputs["object_rotation"], limits, added_terms(given, motors), filled(TERMS, **rate)),
         *(size, np.arange(r, dtype=np.int32), A, lower, upper, speed, np.empty((k + 1) * (1 + cell.library.wrenches))),

@@ -24,7 +24,7 @@ from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.tracking import PATH, REFUSED, variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_rows, wrench_limits
-from mrts.limits.rows import ActiveRow, kernel_limits, shrunk
+from mrts.limits.rows import ActiveRow
 from mrts.motion.object_courses import PROFILES, geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.motion_rows import binds, largest_square, side_share
@@ -217,7 +217,7 @@ class VariantBatch:
         self._caps = velocity_rows(cell, at_rest).names
         self._caps += tuple(replace(name, kind="acceleration", unit=f"{name.unit}²") for name in self._caps)
         self._limited = {"torque": torque_limits(cell, at_rest).names, "wrench": wrench_limits(cell, at_rest).names}
-        self._sparse, matrix = kernel_limits(cell, self.rows), self.rows.matrix
+        self._sparse, matrix = self.rows.in_c, self.rows.matrix
         self._values = matrix[np.nonzero(matrix)]
         rpy = [[(robot.get(frame) or {}).get("rpy") or [0.0] * 3 for frame in FRAMES] for robot in robots]
         ends = [[(moved.get(end) or {}).get(part) or [0.0] * 3 for part in PARTS] for end in ENDS]
@@ -354,7 +354,7 @@ class VariantBatch:
         sides = {side: numbers[side] for side in ("lower", "upper")}
         if self._cell.reserve:
             pairs = zip(*np.broadcast_arrays(*sides.values()), strict=True)
-            shrunk = [shrunk(replace(self.rows, lower=low, upper=high), self._cell.reserve) for low, high in pairs]
+            shrunk = [replace(self.rows, lower=low, upper=high).shrunk(self._cell.reserve) for low, high in pairs]
             sides = {side: np.array([getattr(rows, side) for rows in shrunk]) for side in sides}
         cell, velocity = self._cell, numbers["velocity"]
         if not cell.enforces_velocity_limits:

@@ -10,7 +10,8 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.cell.robot import JointMotors
-from mrts.limits.cell_limits import motor_limits
+from mrts.limits import limit_rows
+from mrts.limits.cell_limits import motor_limits, torque_limits
 from mrts.limits.rows import LimitRows
 from mrts.output.embedded_tables import embedded_tables
 from mrts.program.motion_rows import binds, motion_rows
@@ -183,6 +184,14 @@ def test_limits_of_the_speed_alone_are_squared_exactly(planar_cell, lift):
         np.testing.assert_array_equal(c**2 <= form.most, np.all(inside[:, form.is_cap[ours]], axis=1))
     assert 0 < np.count_nonzero(form.is_cap) < count
     assert set(np.sign(form.rows.square[:, form.is_cap][binds(form.cap_share)])) == {-1, 1}
+
+
+def test_what_is_the_same_along_any_motion_is_made_once_and_stays_so(planar_cell, lift):
+    motion = mrts.follow_object(planar_cell, lift)
+    limits = [limit_rows(planar_cell, of).limits for of in (motion, motion.at(slice(0, 50)))]
+    assert limits[0] is limits[1]
+    for given in (torque_limits(planar_cell).limits, *limits):
+        assert not any(getattr(given, name).flags.writeable for name in ("lower", "upper", "torque_matrix"))
 
 
 def of_limits(rows, **values):

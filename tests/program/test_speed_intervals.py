@@ -32,6 +32,14 @@ def test_friction_points_along_the_travel_and_is_one_sided_at_rest(lift):
     assert not after[:, 3].any()
 
 
+def test_near_a_smooth_end_friction_is_against_the_way_however_slow_a_joint_is_there(lift):
+    t, ways = np.linspace(0, 1, 2001), np.array([1.0, -0.1])
+    dq = (t * (1 - t))[:, None] ** 2 * ways
+    before, after = travel_directions(CoordinatedMotion(lift, dq, dq, np.gradient(dq, t, axis=0), checked=False))
+    for found in (before, after):
+        assert np.array_equal(found, np.tile(np.sign(ways), (len(t), 1)))
+
+
 @pytest.mark.quick
 def test_at_a_turning_point_limits_move_inward_by_the_dry_friction(planar_cell, lift):
     motion = mrts.follow_object(planar_cell, lift)

@@ -84,6 +84,7 @@ def test_each_row_is_what_scale_says_of_the_files_of_its_variant(wide, tmp_path)
     ("text", "asked"),
     [
         ("vary: {object.mass: [0.4, 0.8]}\nreserve: 0.1\nbetween: 0.001", {"reserve": 0.1, "between": 0.001}),
+        ("vary: {object.mass: [0.4, 0.8]}\nreserve: 0.1", {"reserve": 0.1, "between": None}),
         ("vary:\n  object.variation.mass[1]: [1.5, 3]", {"load": "guaranteed", "between": None}),
     ],
 )
