@@ -12,13 +12,13 @@ from mrts.cell.hands import in_object_axes
 from mrts.cell.robot import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import (
+    KNOWN_LIMITS,
     TORQUE_SPEED,
     LimitRows,
     RowLimits,
     RowName,
     joint_rows,
     object_axes,
-    once,
     row_names,
     wrench_rows,
 )
@@ -29,7 +29,7 @@ def torque_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> Limit
     return _torque_sides(cell).alone
 
 
-@once
+@lru_cache(maxsize=KNOWN_LIMITS)
 def _torque_sides(cell: Cell) -> RowLimits:
     names = joint_rows(cell, "torque", "torque_units")
     lower, upper = map(cell.stacked, ("torque_lower", "torque_upper"))
@@ -41,7 +41,7 @@ def wrench_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> Limit
     return _wrench_sides(cell).alone
 
 
-@once
+@lru_cache(maxsize=KNOWN_LIMITS)
 def _wrench_sides(cell: Cell) -> RowLimits:
     names, (lower, upper) = wrench_rows(cell, "wrench"), map(cell.stacked, ("wrench_lower", "wrench_upper"))
     return RowLimits.of(cell, names, lower, upper, wrench_matrix=np.eye(len(names)))
@@ -55,7 +55,7 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return LimitRows(limits=limits, object_axes=None if limits.object_matrix is None else object_axes(cell, motion))
 
 
-@once
+@lru_cache(maxsize=KNOWN_LIMITS)
 def _contact_sides(cell: Cell) -> RowLimits:
     contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
     names = tuple(
@@ -90,7 +90,7 @@ def velocity_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return LimitRows(limits=_velocity_sides(cell), speed=speed)
 
 
-@once
+@lru_cache(maxsize=KNOWN_LIMITS)
 def _velocity_sides(cell: Cell) -> RowLimits:
     names = joint_rows(cell, "velocity", "position_units", "/s")
     of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
@@ -130,7 +130,7 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return LimitRows(limits=_curve_sides(cell), speed=np.where(np.isfinite(slope), slope, 1.0) * motion.dq[:, joint])
 
 
-@once
+@lru_cache(maxsize=KNOWN_LIMITS)
 def _curve_sides(cell: Cell) -> RowLimits:
     names, joint, limit, slope = curve_rows(cell)
     matrix = np.isfinite(slope)[:, None] * np.eye(len(cell.joint_names))[joint]

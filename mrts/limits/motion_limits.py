@@ -2,6 +2,7 @@
 """Limits of the motion alone, whatever carries it: accelerations, points of arms and object, things on the object."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, RowLimits, RowName, joint_rows, once, row_names, stack_rows
+from mrts.limits.rows import KNOWN_LIMITS, LimitRows, RowLimits, RowName, joint_rows, row_names, stack_rows
 
 NORM_SIDES = 224
 """Sides of the polygon that stands for a circle: inside it, by at most 1 - cos(π / 224) < 1e-4 of the radius."""
@@ -33,7 +34,7 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | No
     return stack_rows(pieces)
 
 
-@once
+@lru_cache(maxsize=KNOWN_LIMITS)
 def _joint_sides(cell: Cell) -> RowLimits:
     names = joint_rows(cell, "acceleration", "position_units", "/s²")
     lower, upper = map(cell.stacked, ("acceleration_lower", "acceleration_upper"))
@@ -108,7 +109,7 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
     return LimitRows(limits=_circle_sides(cell, name, limit), **columns)
 
 
-@once
+@lru_cache(maxsize=KNOWN_LIMITS)
 def _circle_sides(cell: Cell, name: RowName, limit: float) -> RowLimits:
     most, names = np.full(NORM_SIDES // 2, limit), [replace(name, sides=NORM_SIDES)] * (NORM_SIDES // 2)
     return RowLimits.of(cell, names, -most, most, ("rate", "square"))

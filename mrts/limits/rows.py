@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache, wraps
+from functools import cached_property, lru_cache
 from itertools import chain, compress
 from operator import attrgetter
 from typing import Any, Literal, Self
@@ -164,19 +164,6 @@ class RowName:
         return f"{self.robot}/{self.element.split()[0]}" if self.kind == "contact" else ""
 
 
-def once(make: Callable[..., "RowLimits"]) -> Callable[..., "RowLimits"]:
-    """Limits that are the same along any motion: made once of what they are made of, and nobody can write to them."""
-
-    @lru_cache(maxsize=KNOWN_LIMITS)
-    @wraps(make)
-    def known(*given: Any) -> RowLimits:
-        limits = make(*given)
-        freeze(limits)
-        return limits
-
-    return known
-
-
 @lru_cache(maxsize=256)
 def row_names(
     kind: str, robot: str, elements: tuple[str, ...], units: tuple[str, ...], per: str = ""
@@ -309,16 +296,21 @@ class RowLimits:
     terms: NDArray[np.bool_]
     size: Array | None = None
 
+    def __post_init__(self) -> None:
+        freeze(self)
+
     @classmethod
     def of(
         cls, cell: Cell, names: Sequence[RowName], lower: Array, upper: Array, columns: Iterable[str] = (), **given: Any
     ) -> Self:
         """Limits of a cell whose rows all have terms in some columns, with zeros for matrices that are not `given`."""
         count, terms = len(names), np.isin(COLUMNS, [*columns])[:, None].repeat(len(names), axis=1)
+        given |= {"lower": lower, "upper": upper}
+        given = {name: None if value is None else np.array(value) for name, value in given.items()}  # which is frozen
         given.setdefault("torque_matrix", np.zeros((count, len(cell.joint_names))))
         given.setdefault("wrench_matrix", np.zeros((count, len(cell.robots) * len(cell.wrench_components))))
         base = None if given.get("object_matrix") is None else base_axes(cell)
-        return cls(names=tuple(names), lower=lower, upper=upper, base=base, terms=terms, **given)
+        return cls(names=tuple(names), base=base, terms=terms, **given)
 
     @cached_property
     def units(self) -> Array:
@@ -353,18 +345,13 @@ class RowLimits:
         return np.flatnonzero(self.is_of_speed & ~(speed & square))
 
     @cached_property
-    def by_speed(self) -> NDArray[np.bool_]:
-        """Which of these s have the term b ṙ, Shape (s,)."""
-        return np.asarray(self.terms[1, self.in_squares])
-
-    @cached_property
     def squared(self) -> "RowLimits":
         """The same with the rows b ṙ as b |b| ṙ² between l |l| and u |u|, in units of their limits.
 
         ṙ >= 0, and squares with their sign keep the order. Where the speed is limited alike in both directions that is
         b² ṙ² <= u².
         """
-        rows, terms = self.in_squares[self.by_speed], self.terms.copy()
+        rows, terms = np.flatnonzero(self.is_of_speed & self.terms[1] & ~self.terms[2]), self.terms.copy()
         lower, upper = self.lower.copy(), self.upper.copy()
         least, most, size = lower[rows], upper[rows], self.units[rows]
         lower[rows] = np.where(least == -most, -np.inf, least * np.abs(least) / size)
@@ -462,7 +449,7 @@ def _stacked(given: Sequence[RowLimits]) -> RowLimits:
     )
 
 
-_known_stack = once(_stacked)
+_known_stack = lru_cache(maxsize=KNOWN_LIMITS)(_stacked)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -136,7 +136,7 @@ class MotionRows:
         for column in (given.speed, given.square):
             if column is not None:
                 term += column[:, places]
-        size, rest = np.abs(term), np.where(given.limits.by_speed, SPEED_AT_REST, SPEED_AT_REST**2)
+        size, rest = np.abs(term), np.where(given.limits.terms[1, places], SPEED_AT_REST, SPEED_AT_REST**2)
         term[size <= rest * size.max(axis=0, initial=0.0)] = 0.0
         return term
 
@@ -147,7 +147,7 @@ class MotionRows:
         share = side_share(self._square_terms, least, most)
         own = (least <= 0) & (most >= 0) & np.isfinite(share).all(axis=0)
         is_cap[limits.in_squares] = own
-        share, by_speed, alike = share[:, own], limits.by_speed[own], (least == -most)[own]
+        share, by_speed, alike = share[:, own], limits.terms[1, limits.in_squares[own]], (least == -most)[own]
         return is_cap, np.where(by_speed, share * np.where(alike, share, np.abs(share)), share)
 
     @property
@@ -180,9 +180,9 @@ class MotionRows:
             return given
         if given.square is not None:
             square[:] = given.square
-        alike = (limits.lower == -limits.upper)[places]
-        term = np.where(limits.by_speed & alike, np.abs(self._square_terms), self._square_terms)
-        square[:, places] = np.where(limits.by_speed, term * np.abs(term) / limits.units[places], term)
+        by_speed, alike = limits.terms[1, places], (limits.lower == -limits.upper)[places]
+        term = np.where(by_speed & alike, np.abs(self._square_terms), self._square_terms)
+        square[:, places] = np.where(by_speed, term * np.abs(term) / limits.units[places], term)
         if speed is not None:
             speed = np.where(squared.terms[1], speed, 0.0) if squared.terms[1].any() else None
         return replace(given, limits=squared, square=square, speed=speed)
@@ -191,7 +191,7 @@ class MotionRows:
     def unit(self) -> Array:
         """What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,)."""
         limits, unit = self.given.limits, self.given.limits.units.copy()
-        unit[limits.in_squares[limits.by_speed]] /= 2
+        unit[limits.in_squares[limits.terms[1, limits.in_squares]]] /= 2
         return unit
 
     @cached_property
