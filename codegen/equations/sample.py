@@ -9,14 +9,7 @@ from typing import Any
 
 import casadi as ca
 from mrts_codegen.cell_model import CellModel
-from mrts_codegen.equations.dynamics import (
-    Steps,
-    contact_offset,
-    frame_jacobian,
-    joint_steps,
-    object_terms,
-    scaled_arm_terms,
-)
+from mrts_codegen.equations.dynamics import contact_offset, frame_jacobian, joint_steps, object_terms, scaled_arm_terms
 from mrts_codegen.urdf.robot_model import Inertia, RobotModel
 
 from mrts.base.manifest import GEOMETRY, LOAD_ENTRIES
@@ -60,8 +53,8 @@ class Sample:
         return [base.R.T @ self.gravity for base in self.bases]
 
     @cached_property
-    def steps(self) -> list[Steps]:
-        """Of the joints of each arm; once, because they are a third of what generation takes."""
+    def steps(self) -> list[Any]:
+        """`joint_steps` of each arm; once, because they are a third of what generation takes."""
         return [joint_steps(model, q) for model, q in zip(self.models, self.arms("q"), strict=True)]
 
     @cached_property

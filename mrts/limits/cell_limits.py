@@ -11,40 +11,27 @@ from mrts.cell.cell import KNOWN_CELLS, Cell
 from mrts.cell.hands import in_object_axes
 from mrts.cell.robot import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import (
-    KNOWN_LIMITS,
-    TORQUE_SPEED,
-    LimitRows,
-    RowLimits,
-    RowName,
-    joint_rows,
-    object_axes,
-    row_names,
-    wrench_rows,
-)
+from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowLimits, RowName, joint_rows, object_axes, wrench_rows
 
 
 def torque_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
-    return _torque_sides(cell).alone
-
-
-@lru_cache(maxsize=KNOWN_LIMITS)
-def _torque_sides(cell: Cell) -> RowLimits:
-    names = joint_rows(cell, "torque", "torque_units")
-    lower, upper = map(cell.stacked, ("torque_lower", "torque_upper"))
-    return RowLimits.of(cell, names, lower, upper, torque_matrix=np.eye(len(names)))
+    return _fixed_limits(cell)[0]
 
 
 def wrench_limits(cell: Cell, _motion: CoordinatedMotion | None = None) -> LimitRows:
     """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
-    return _wrench_sides(cell).alone
+    return _fixed_limits(cell)[1]
 
 
-@lru_cache(maxsize=KNOWN_LIMITS)
-def _wrench_sides(cell: Cell) -> RowLimits:
-    names, (lower, upper) = wrench_rows(cell, "wrench"), map(cell.stacked, ("wrench_lower", "wrench_upper"))
-    return RowLimits.of(cell, names, lower, upper, wrench_matrix=np.eye(len(names)))
+@lru_cache(maxsize=KNOWN_CELLS)
+def _fixed_limits(cell: Cell) -> tuple[LimitRows, LimitRows]:
+    of_joints, of_hands = joint_rows(cell, "torque", "torque_units"), wrench_rows(cell, "wrench")
+    torque, wrench = ([cell.stacked(f"{kind}_{side}") for side in ("lower", "upper")] for kind in ("torque", "wrench"))
+    return (
+        LimitRows.of(cell, of_joints, *torque, torque_matrix=np.eye(len(of_joints))),
+        LimitRows.of(cell, of_hands, *wrench, wrench_matrix=np.eye(len(of_hands))),
+    )
 
 
 def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
@@ -55,7 +42,7 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return LimitRows(limits=limits, object_axes=None if limits.object_matrix is None else object_axes(cell, motion))
 
 
-@lru_cache(maxsize=KNOWN_LIMITS)
+@lru_cache(maxsize=KNOWN_CELLS)
 def _contact_sides(cell: Cell) -> RowLimits:
     contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
     names = tuple(
@@ -90,10 +77,10 @@ def velocity_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return LimitRows(limits=_velocity_sides(cell), speed=speed)
 
 
-@lru_cache(maxsize=KNOWN_LIMITS)
+@lru_cache(maxsize=KNOWN_CELLS)
 def _velocity_sides(cell: Cell) -> RowLimits:
     names = joint_rows(cell, "velocity", "position_units", "/s")
-    of_object = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
+    of_object = RowName("velocity", "object", "linear", "m/s"), RowName("velocity", "object", "angular", "rad/s")
     limit = np.append(cell.stacked("velocity_limit"), cell.object_velocity_limit)
     least = np.append(-limit[:-2], [-np.inf, -np.inf])  # the object's are sizes
     return RowLimits.of(cell, names + of_object, least, limit, ["speed"])
@@ -130,7 +117,7 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return LimitRows(limits=_curve_sides(cell), speed=np.where(np.isfinite(slope), slope, 1.0) * motion.dq[:, joint])
 
 
-@lru_cache(maxsize=KNOWN_LIMITS)
+@lru_cache(maxsize=KNOWN_CELLS)
 def _curve_sides(cell: Cell) -> RowLimits:
     names, joint, limit, slope = curve_rows(cell)
     matrix = np.isfinite(slope)[:, None] * np.eye(len(cell.joint_names))[joint]

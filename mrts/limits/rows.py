@@ -360,11 +360,6 @@ class RowLimits:
         return replace(self, lower=lower, upper=upper, terms=terms)
 
     @cached_property
-    def is_bounded(self) -> NDArray[np.bool_]:
-        """Rows that have a limit on some side, Shape (r,)."""
-        return np.asarray(np.isfinite(self.lower) | np.isfinite(self.upper))
-
-    @cached_property
     def matrix(self) -> Array:
         """M_τ, M_F and, if there is one, M_H beside each other, Shape (r, m + n w) or (r, m + 2 n w)."""
         blocks = (self.torque_matrix, self.wrench_matrix)
@@ -402,11 +397,6 @@ class RowLimits:
             base=base,
             axes=axes,
         )
-
-    @cached_property
-    def alone(self) -> "LimitRows":
-        """The rows that have no terms but these."""
-        return LimitRows(limits=self)
 
     @cached_property
     def _made(self) -> dict[bytes | float, "RowLimits"]:
@@ -535,7 +525,7 @@ class LimitRows:
     @cached_property
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
-        return self.only(self.limits.is_bounded)
+        return self.only(np.isfinite(self.limits.lower) | np.isfinite(self.limits.upper))
 
 
 def side_size(limit: Array, units: Array) -> Array:
