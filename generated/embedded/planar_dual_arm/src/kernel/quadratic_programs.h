@@ -18,11 +18,7 @@ static int mrts_qp_factor(int k, const mrts_real *H, mrts_real *L, mrts_real *J)
         if (!(L[j * k + j] < MRTS_INFINITY)) return 0;
         for (int i = 0; i < k; ++i) J[j * k + i] = 0;
         J[j * k + j] = L[j * k + j];
-        for (int i = j - 1; i >= 0; --i) {
-            mrts_real sum = 0;
-            for (int l = i + 1; l <= j; ++l) sum += L[l * k + i] * J[j * k + l];
-            J[j * k + i] = -sum * L[i * k + i];
-        }
+        for (int i = j - 1; i >= 0; --i) J[j * k + i] = mrts_less(j - i, 0, L + (i + 1) * k + i, k, J + j * k + i + 1) * L[i * k + i];
     }
     return 1;
 }
