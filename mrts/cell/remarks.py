@@ -13,7 +13,7 @@ from mrts.base.rigid_transform import plane_normal
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.record import BodyShape, mesh_surface
-from mrts.cell.robot import DEGREES_SUSPECTED, Robot
+from mrts.cell.robot import DEGREES_SUSPECTED, PRINTED_TOLERANCE, Robot
 
 WIDE = 10.0
 """Lengths of an arm that no object's radius of gyration has."""
@@ -32,9 +32,6 @@ FEWEST_JOINTS = 3
 
 EARTHLY = (9.0, 10.5)
 """Sizes of a gravity that is meant to be the earth's [m/s²]."""
-
-PRINTED = 1e-4
-"""How far a posture may be outside of a limit for being typed with few digits [rad or m]."""
 
 STRAIGHT = 0.9
 """Share of gravity along one axis from which on that is the vertical."""
@@ -153,7 +150,7 @@ def _posture(robot: Robot) -> Iterator[Remark]:
         )
         return
     lower, upper, given = robot.position_lower, robot.position_upper, robot.posture
-    outside = (given < lower - PRINTED) | (given > upper + PRINTED)
+    outside = (given < lower - PRINTED_TOLERANCE) | (given > upper + PRINTED_TOLERANCE)
     for place in np.flatnonzero(outside & (lower < upper))[:1]:
         limits = f"[{lower[place]:.4g}, {upper[place]:.4g}]"
         text = f"the posture of robot '{robot.name}' has {robot.joints[place]} at {given[place]:.4g}, outside {limits}."

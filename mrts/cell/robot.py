@@ -19,6 +19,9 @@ from mrts.base.words import interval_text
 from mrts.cell.hands import Contact
 from mrts.cell.points import ArmPointLimit
 
+PRINTED_TOLERANCE = 1e-4
+"""How far a position that is given may pass its limit [rad or m]: it may carry few digits."""
+
 ROUNDED_SLOPE = 1e-9
 """Share by which a torque-speed curve may miss falling and concave: corners printed with few digits lie on one line."""
 

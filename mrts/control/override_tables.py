@@ -27,7 +27,7 @@ from mrts.kernel.c_text import OVERRIDE, override_source
 from mrts.kernel.compiler import compiled_library
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes, turned
-from mrts.motion.rows_at_rest import REST, standing
+from mrts.motion.rows_at_rest import moving_joints
 from mrts.program.between_samples import BETWEEN
 from mrts.program.infeasibility import motion_widening
 from mrts.program.motion_rows import motion_rows
@@ -384,8 +384,7 @@ def _plan_nodes(corners: Corners) -> NDArray[Any]:
     nodes = np.zeros(motion.samples, _structure("cell_plan_node", cell))
     for name in ("q", "dq", "ddq"):
         nodes[name] = getattr(motion, name)
-    speed = np.abs(nodes["dq"])
-    nodes["dq"][(speed <= REST * np.max(speed)) | standing(motion.dq)] = 0.0  # friction is against the way ahead
+    nodes["dq"][~moving_joints(motion.dq)] = 0.0  # friction is against the way ahead
     nodes["time"], nodes["most"] = motion.object.time, corners.plan.most
     for name in ("acceleration", "active", "rate", "rate_ahead"):
         nodes[name] = getattr(corners, name)

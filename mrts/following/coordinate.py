@@ -17,10 +17,10 @@ from mrts.base.manifest import GEOMETRY
 from mrts.base.rigid_transform import rotations_from_vectors, vectors_from_rotations
 from mrts.base.words import first_names
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
+from mrts.cell.robot import PRINTED_TOLERANCE, Robot
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_each, carried_by_first, follow_object
 from mrts.following.joint_columns import MOST_NAMED, required_columns
-from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits, check_regular, joints_on_grasps, solve_grasps
+from mrts.following.tracking import check_joint_limits, check_regular, joints_on_grasps, solve_grasps
 from mrts.kernel.tracking import closure_sizes
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion

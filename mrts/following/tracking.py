@@ -54,9 +54,6 @@ CONDITION_LIMIT = 1e6
 POSITION_TOLERANCE = 1e-9
 """How far a joint may pass its position limit [rad or m]: rounding."""
 
-PRINTED_TOLERANCE = 1e-4
-"""The same for positions that are given, which may carry few digits."""
-
 FURTHER_STARTS = 40
 """Starts tried where the posture leads to nothing: an arm of six joints has up to 16 branches."""
 

@@ -345,14 +345,18 @@ class RowLimits:
         return np.flatnonzero(self.is_of_speed & ~(speed & square))
 
     @cached_property
+    def by_speed(self) -> NDArray[np.bool_]:
+        """Which rows have no term but b ṙ, Shape (r,)."""
+        return np.asarray(self.is_of_speed & self.terms[1] & ~self.terms[2])
+
+    @cached_property
     def squared(self) -> "RowLimits":
         """The same with the rows b ṙ as b |b| ṙ² between l |l| and u |u|, in units of their limits.
 
         ṙ >= 0, and squares with their sign keep the order. Where the speed is limited alike in both directions that is
         b² ṙ² <= u².
         """
-        rows, terms = np.flatnonzero(self.is_of_speed & self.terms[1] & ~self.terms[2]), self.terms.copy()
-        lower, upper = self.lower.copy(), self.upper.copy()
+        rows, terms, lower, upper = self.by_speed, self.terms.copy(), self.lower.copy(), self.upper.copy()
         least, most, size = lower[rows], upper[rows], self.units[rows]
         lower[rows] = np.where(least == -most, -np.inf, least * np.abs(least) / size)
         upper[rows] = most * np.abs(most) / size
@@ -599,7 +603,8 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
             row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
             rule = "must be finite, but for a side without a limit, which is infinite."
             raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=key)
-    if rows.limits.object_matrix is not None and not np.array_equal(rows.object_axes, object_axes(cell, motion)):  # type: ignore[arg-type]  # None is not equal
+    axes = rows.object_axes
+    if rows.limits.object_matrix is not None and (axes is None or not np.array_equal(axes, object_axes(cell, motion))):
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
     lower, upper = rows.limits.lower, rows.limits.upper

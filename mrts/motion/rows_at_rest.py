@@ -38,10 +38,11 @@ def pushing_ends(dq: Array, ddq: Array) -> tuple[bool, bool]:
     return bool(pushes[0]), bool(pushes[1])
 
 
-def standing(dq: Array) -> NDArray[np.bool_]:
-    """Which joints stand along a whole motion, Shape (m,), by their velocities, Shape (N, m)."""
-    fastest = np.abs(dq).max(axis=0)
-    return np.asarray(fastest <= JOINT_STANDS * fastest.max())
+def moving_joints(dq: Array) -> NDArray[np.bool_]:
+    """Which joints move at each sample, none that stands along the whole motion, as their velocities, Shape (N, m)."""
+    speed = np.abs(dq)
+    fastest = speed.max(axis=0)
+    return np.asarray((speed > REST * fastest.max()) & (fastest > JOINT_STANDS * fastest.max()))
 
 
 def moving_rows(time: Array, q: Array, dq: Array, ddq: Array) -> slice:

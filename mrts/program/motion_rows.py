@@ -17,7 +17,7 @@ from mrts.kernel.binding import filled, structure, work_arrays
 from mrts.kernel.cell_library import sample_inputs
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows, few_sides
-from mrts.motion.rows_at_rest import REST, standing
+from mrts.motion.rows_at_rest import REST, moving_joints
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -86,9 +86,9 @@ def travel_directions(motion: CoordinatedMotion) -> Array:
     if motion.travel is not None:
         return motion.travel
     dq, ddq = motion.dq, motion.ddq
-    speed, change, moves = np.abs(dq), np.abs(ddq), ~standing(dq)
-    moving = np.where((speed > REST * speed.max()) & moves, np.sign(dq), 0.0)
-    leaving = np.where((change > REST * change.max()) & moves, np.sign(ddq), 0.0)
+    change, moves = np.abs(ddq), moving_joints(dq)
+    moving = np.where(moves, np.sign(dq), 0.0)
+    leaving = np.where((change > REST * change.max()) & moves.any(axis=0), np.sign(ddq), 0.0)
     before, after = np.where(moving == 0, -leaving, moving), np.where(moving == 0, leaving, moving)
     before[0], after[-1] = after[0], before[-1]
     return np.array([before, after])
@@ -130,13 +130,13 @@ class MotionRows:
 
     @cached_property
     def _square_terms(self) -> Array:
-        """B or e of the s rows that bound ṙ², Shape (N, s)."""
+        """Terms b or e of the s rows that bound ṙ², Shape (N, s)."""
         given, places = self.given, self.given.limits.in_squares
         term = np.zeros((self.motion.samples, len(places)))
         for column in (given.speed, given.square):
             if column is not None:
                 term += column[:, places]
-        size, rest = np.abs(term), np.where(given.limits.terms[1, places], SPEED_AT_REST, SPEED_AT_REST**2)
+        size, rest = np.abs(term), np.where(given.limits.by_speed[places], SPEED_AT_REST, SPEED_AT_REST**2)
         term[size <= rest * size.max(axis=0, initial=0.0)] = 0.0
         return term
 
@@ -147,7 +147,7 @@ class MotionRows:
         share = side_share(self._square_terms, least, most)
         own = (least <= 0) & (most >= 0) & np.isfinite(share).all(axis=0)
         is_cap[limits.in_squares] = own
-        share, by_speed, alike = share[:, own], limits.terms[1, limits.in_squares[own]], (least == -most)[own]
+        share, by_speed, alike = share[:, own], limits.by_speed[is_cap], (least == -most)[own]
         return is_cap, np.where(by_speed, share * np.where(alike, share, np.abs(share)), share)
 
     @property
@@ -167,7 +167,7 @@ class MotionRows:
         if over.size:
             share = share[samples[over]]
             side = np.where(share > 0, limits.upper[caps], -limits.lower[caps]) / limits.units[caps]
-            size = np.where(limits.terms[1, caps], side**2, side)
+            size = np.where(limits.by_speed[caps], side**2, side)
             passed[over] = ((np.abs(share) * c2[over, None] - 1) * size).max(axis=1)
         return passed
 
@@ -180,7 +180,7 @@ class MotionRows:
             return given
         if given.square is not None:
             square[:] = given.square
-        by_speed, alike = limits.terms[1, places], (limits.lower == -limits.upper)[places]
+        by_speed, alike = limits.by_speed[places], (limits.lower == -limits.upper)[places]
         term = np.where(by_speed & alike, np.abs(self._square_terms), self._square_terms)
         square[:, places] = np.where(by_speed, term * np.abs(term) / limits.units[places], term)
         if speed is not None:
@@ -191,7 +191,7 @@ class MotionRows:
     def unit(self) -> Array:
         """What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,)."""
         limits, unit = self.given.limits, self.given.limits.units.copy()
-        unit[limits.in_squares[limits.terms[1, limits.in_squares]]] /= 2
+        unit[limits.by_speed] /= 2
         return unit
 
     @cached_property

@@ -69,7 +69,8 @@ def speed_regions(
     undecided = number > 0
     if rows.size:
         number, corners = _decided_projections(problem, rows, scale, bounds)
-        undecided = (number == 0) | (problem.lower > problem.upper).T.copy().any(axis=0)  # crossed sides leave none
+        crossed = (problem.lower > problem.upper).T.copy()  # numpy is slow along short rows
+        undecided = (number == 0) | crossed.any(axis=0)  # such sides leave nothing
     return SpeedRegions(*half_planes(samples, by_itself, scale, (number, corners), most, bound), bound, undecided)
 
 
